@@ -1,0 +1,36 @@
+//! Where a ray may start: outside the rounding error of the point it leaves.
+//!
+//! A hit point computed in `f32` lies up to `error` away from the true surface. A ray that starts
+//! there can meet the same surface again. [`offset_origin`] moves the start along the *geometric*
+//! normal by that bound, to the side the ray leaves on, and then one float further on each axis
+//! (Pharr, Jakob, Humphreys, "Physically Based Rendering", 4th ed., 6.8.6).
+
+use glam::Vec3;
+
+/// Rounding error bound of `n` chained `f32` operations, relative to the operands' magnitude.
+#[inline]
+pub const fn gamma(n: u32) -> f32 {
+    let nu = n as f32 * (f32::EPSILON * 0.5);
+    nu / (1.0 - nu)
+}
+
+/// The origin for a ray that leaves `p` (known to within `error` on each axis) in direction `dir`,
+/// off a surface with unit geometric normal `ng` (either orientation).
+#[inline]
+pub fn offset_origin(p: Vec3, error: Vec3, ng: Vec3, dir: Vec3) -> Vec3 {
+    let distance = ng.abs().dot(error);
+    let offset = if dir.dot(ng) < 0.0 { -ng * distance } else { ng * distance };
+    let moved = p + offset;
+    Vec3::new(nudge(moved.x, offset.x), nudge(moved.y, offset.y), nudge(moved.z, offset.z))
+}
+
+#[inline]
+fn nudge(x: f32, toward: f32) -> f32 {
+    if toward > 0.0 {
+        x.next_up()
+    } else if toward < 0.0 {
+        x.next_down()
+    } else {
+        x
+    }
+}

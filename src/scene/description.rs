@@ -1,0 +1,112 @@
+//! A scene as data: what an importer produces and the renderer consumes.
+
+use crate::accel::{ExactShape, TriangleMesh};
+use crate::bsdf::{MaterialId, Materials};
+use crate::camera::CameraDescription;
+use crate::film::FilmDescription;
+use crate::light::Emitter;
+use crate::math::{DAffine3, Vec2, Vec3};
+use crate::texture::MeshAttributes;
+use std::sync::Arc;
+
+/// A triangle mesh with everything that belongs to its vertices.
+#[derive(Debug, Default)]
+pub struct Mesh {
+    /// Positions and indices, shared with the ray tracer. World (or group) space.
+    pub triangles: Arc<TriangleMesh>,
+    /// Unit shading normals, one for each vertex; `None` for flat shading.
+    pub normals: Option<Vec<Vec3>>,
+    /// Texture coordinates, one for each vertex.
+    pub uvs: Option<Arc<Vec<Vec2>>>,
+    /// Named values.
+    pub attributes: MeshAttributes,
+}
+
+/// What a shape is made of.
+#[derive(Clone, Debug)]
+pub enum Geometry {
+    /// Triangles.
+    Mesh(Arc<Mesh>),
+    /// An exact shape.
+    Exact(ExactShape),
+}
+
+/// A shape with its material.
+#[derive(Clone, Debug)]
+pub struct Shape {
+    /// For messages: the scene's id, or the mesh's file name, or the plugin's name.
+    pub name: String,
+    /// What it is made of.
+    pub geometry: Geometry,
+    /// Its material.
+    pub material: MaterialId,
+    /// Index into [`Description::emitters`] of the [`Emitter::Area`] it carries.
+    pub emitter: Option<u32>,
+    /// Turn normals around. Meshes are turned by their loader; this is for exact shapes.
+    pub flip_normals: bool,
+    /// Group it belongs to; `None` stands in the world.
+    pub group: Option<u32>,
+}
+
+/// Which numbers drive the samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum SamplerKind {
+    /// Independent random numbers.
+    #[default]
+    Independent,
+    /// Owen-scrambled Sobol points.
+    Sobol,
+}
+
+/// What a scene says about how to render it. Everything here can be overridden on the command line.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderDescription {
+    /// Path edges seen from the camera, Mitsuba's meaning: 1 is emission only, 2 adds direct light; `None` is unlimited.
+    pub max_depth: Option<u32>,
+    /// Russian roulette starts at this depth (Mitsuba's `rr_depth`).
+    pub rr_depth: u32,
+    /// Emitters are not seen by the camera itself.
+    pub hide_emitters: bool,
+    /// Light that crosses a surface only by its shading normal is dropped.
+    pub strict_normals: bool,
+    /// Samples a pixel.
+    pub spp: u32,
+    /// Sampler.
+    pub sampler: SamplerKind,
+}
+
+impl Default for RenderDescription {
+    fn default() -> Self {
+        Self {
+            max_depth: None,
+            rr_depth: 5,
+            hide_emitters: false,
+            strict_normals: false,
+            spp: 64,
+            sampler: SamplerKind::Independent,
+        }
+    }
+}
+
+/// A whole scene as data.
+#[derive(Debug)]
+pub struct Description {
+    /// All shapes, of the world and of groups.
+    pub shapes: Vec<Shape>,
+    /// Number of groups.
+    pub groups: u32,
+    /// Where groups stand: group, group space to world space.
+    pub instances: Vec<(u32, DAffine3)>,
+    /// Materials.
+    pub materials: Materials,
+    /// Emitters. [`Emitter::Area::shape`] is an index into `shapes`.
+    pub emitters: Vec<Emitter>,
+    /// Camera.
+    pub camera: CameraDescription,
+    /// Film.
+    pub film: FilmDescription,
+    /// How to render.
+    pub render: RenderDescription,
+    /// What was odd but not fatal, each with its place.
+    pub warnings: Vec<String>,
+}

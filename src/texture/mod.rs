@@ -1,0 +1,213 @@
+//! Textures: a value at a point of a surface, from a constant, an image, a pattern or the mesh itself.
+
+use crate::math::{Frame, Rgb, Vec2, Vec3};
+
+/// Values that a mesh carries along with its vertices or faces, under a name.
+#[derive(Debug, Clone, Default)]
+pub struct MeshAttributes {
+    /// The attributes, few enough to search.
+    pub list: Vec<MeshAttribute>,
+}
+
+/// One attribute of a mesh.
+#[derive(Debug, Clone)]
+pub struct MeshAttribute {
+    /// Its name as textures ask for it, such as `vertex_color` or `face_color`.
+    pub name: String,
+    /// A value for each face instead of each vertex.
+    pub per_face: bool,
+    /// One value for each vertex or face.
+    pub values: Vec<Rgb>,
+}
+
+/// A point on a surface, with what textures and materials need to know about it. World space.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfacePoint<'a> {
+    /// Position.
+    pub p: Vec3,
+    /// Rounding error bound of `p` on each axis (see [`crate::math::offset`]).
+    pub error: Vec3,
+    /// Unit geometric normal: the side it points to is "outside".
+    pub ng: Vec3,
+    /// Shading frame: `n` is the interpolated normal, `s` follows dp/du.
+    pub frame: Frame,
+    /// Change of position with u.
+    pub dp_du: Vec3,
+    /// Change of position with v.
+    pub dp_dv: Vec3,
+    /// Change of the (unnormalised direction of the) shading normal with u; zero for flat shapes.
+    pub dn_du: Vec3,
+    /// Change of the shading normal with v.
+    pub dn_dv: Vec3,
+    /// Texture coordinates.
+    pub uv: Vec2,
+    /// Width in world units of what a pixel sees here (a ray cone's width); 0 asks for the finest level.
+    pub footprint: f32,
+    /// Triangle index in its mesh.
+    pub prim: u32,
+    /// Vertex indices of that triangle.
+    pub vertices: [u32; 3],
+    /// Barycentric weights of the second and third vertex.
+    pub barycentric: Vec2,
+    /// The mesh's attributes, if it has any.
+    pub attributes: Option<&'a MeshAttributes>,
+}
+
+impl SurfacePoint<'_> {
+    /// A point that stands for no surface in particular, at the given texture coordinates: for
+    /// evaluating a texture by itself.
+    pub fn at_uv(uv: Vec2) -> SurfacePoint<'static> {
+        SurfacePoint {
+            p: Vec3::ZERO,
+            error: Vec3::ZERO,
+            ng: Vec3::Z,
+            frame: Frame { s: Vec3::X, t: Vec3::Y, n: Vec3::Z },
+            dp_du: Vec3::X,
+            dp_dv: Vec3::Y,
+            dn_du: Vec3::ZERO,
+            dn_dv: Vec3::ZERO,
+            uv,
+            footprint: 0.0,
+            prim: 0,
+            vertices: [0; 3],
+            barycentric: Vec2::ZERO,
+            attributes: None,
+        }
+    }
+}
+
+/// A value over a surface.
+///
+/// Cheap to clone: images are shared.
+#[derive(Clone, Debug)]
+pub enum Texture {
+    /// The same everywhere.
+    Constant(Rgb),
+    /// An image.
+    Bitmap(std::sync::Arc<Bitmap>),
+    /// Two values in squares.
+    Checkerboard(std::sync::Arc<Checkerboard>),
+    /// Lines of one value on another.
+    Grid(std::sync::Arc<Grid>),
+    /// Another texture times a factor.
+    Scale(std::sync::Arc<(Texture, Rgb)>),
+    /// An attribute of the mesh, by name; black where the mesh has none of that name.
+    MeshAttribute(std::sync::Arc<str>),
+}
+
+/// Placement of a texture: `uv * scale + offset` in the general (affine) sense.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UvTransform(pub glam::Affine2);
+
+/// What an image texture is outside `[0, 1]^2`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Wrap {
+    /// Repeats.
+    #[default]
+    Repeat,
+    /// Repeats, mirrored every other time.
+    Mirror,
+    /// The edge goes on.
+    Clamp,
+}
+
+/// How an image is interpolated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Filter {
+    /// The closest texel.
+    Nearest,
+    /// Bilinear between texels, mip levels by footprint.
+    #[default]
+    Linear,
+}
+
+/// Two values in squares.
+#[derive(Clone, Debug)]
+pub struct Checkerboard {
+    /// Value of the first square.
+    pub color0: Texture,
+    /// Value of the second square.
+    pub color1: Texture,
+    /// Placement.
+    pub to_uv: UvTransform,
+}
+
+/// Lines of one value on another (Mitsuba 0.x `gridtexture`).
+#[derive(Clone, Debug)]
+pub struct Grid {
+    /// Background.
+    pub color0: Rgb,
+    /// Lines.
+    pub color1: Rgb,
+    /// Width of the lines in texture units.
+    pub line_width: f32,
+    /// Placement.
+    pub to_uv: UvTransform,
+}
+
+/// What a scene asks of an image texture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BitmapSettings {
+    /// The file.
+    pub path: std::path::PathBuf,
+    /// Use the numbers as they are: no sRGB curve is undone (roughness, normals).
+    pub raw: bool,
+    /// Exponent that overrides the file's own curve; `None` takes the curve from the file (sRGB for 8 bit, linear for float).
+    pub gamma: Option<f32>,
+    /// Interpolation.
+    pub filter: Filter,
+    /// Outside `[0, 1]^2`.
+    pub wrap_u: Wrap,
+    /// Outside `[0, 1]^2`.
+    pub wrap_v: Wrap,
+    /// Placement.
+    pub to_uv: UvTransform,
+    /// Take this channel alone, as a grey value (`r`, `g`, `b`, `a`, or a channel's name).
+    pub channel: Option<String>,
+}
+
+impl Texture {
+    /// The value at a point.
+    pub fn eval(&self, point: &SurfacePoint) -> Rgb {
+        let _ = point;
+        unimplemented!()
+    }
+
+    /// The value as one number: a grey image's value, a colour's luminance.
+    pub fn eval_scalar(&self, point: &SurfacePoint) -> f32 {
+        let _ = point;
+        unimplemented!()
+    }
+
+    /// The mean value over the whole texture, for light selection and sampling weights.
+    pub fn mean(&self) -> Rgb {
+        unimplemented!()
+    }
+
+    /// The value, if it is the same everywhere.
+    pub fn constant(&self) -> Option<Rgb> {
+        if let Texture::Constant(c) = self { Some(*c) } else { None }
+    }
+}
+
+/// An image texture, opened.
+#[derive(Debug)]
+pub struct Bitmap {}
+
+/// Opens image textures, each file once, under one memory budget.
+#[derive(Debug)]
+pub struct TextureStore {}
+
+impl TextureStore {
+    /// A store whose cache holds at most `memory_bytes` of texels.
+    pub fn new(memory_bytes: usize) -> Self {
+        let _ = memory_bytes;
+        unimplemented!()
+    }
+
+    /// Opens an image texture. An error names the file.
+    pub fn open(&self, settings: BitmapSettings) -> Result<Texture, crate::image::ImageError> {
+        let _ = settings;
+        unimplemented!()
+    }
+}
