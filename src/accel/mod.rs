@@ -35,7 +35,12 @@ impl Ray {
     /// A ray from `org` to infinity.
     #[inline]
     pub fn new(org: Vec3, dir: Vec3) -> Self {
-        Self { org, tmin: 0.0, dir, tmax: f32::INFINITY }
+        Self {
+            org,
+            tmin: 0.0,
+            dir,
+            tmax: f32::INFINITY,
+        }
     }
 
     /// The point at distance `t`.
@@ -70,7 +75,14 @@ pub struct Hit {
 
 impl Hit {
     /// Nothing was met.
-    pub const NONE: Hit = Hit { t: f32::INFINITY, u: 0.0, v: 0.0, prim: 0, shape: MISS, instance: NO_INSTANCE };
+    pub const NONE: Hit = Hit {
+        t: f32::INFINITY,
+        u: 0.0,
+        v: 0.0,
+        prim: 0,
+        shape: MISS,
+        instance: NO_INSTANCE,
+    };
 
     /// Whether the ray met something.
     #[inline]
@@ -94,11 +106,20 @@ impl TriangleMesh {
     /// names the first offending triangle.
     pub fn new(mut positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, BadIndex> {
         let count = positions.len();
-        if let Some(triangle) = triangles.iter().position(|t| t.iter().any(|&i| i as usize >= count)) {
-            return Err(BadIndex { triangle, vertices: count });
+        if let Some(triangle) = triangles
+            .iter()
+            .position(|t| t.iter().any(|&i| i as usize >= count))
+        {
+            return Err(BadIndex {
+                triangle,
+                vertices: count,
+            });
         }
         positions.reserve_exact(1);
-        Ok(Self { positions, triangles })
+        Ok(Self {
+            positions,
+            triangles,
+        })
     }
 
     /// Vertex positions.
@@ -215,18 +236,27 @@ pub struct Bounds {
 
 impl Bounds {
     /// Contains nothing.
-    pub const EMPTY: Bounds = Bounds { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
+    pub const EMPTY: Bounds = Bounds {
+        min: Vec3::INFINITY,
+        max: Vec3::NEG_INFINITY,
+    };
 
     /// The bounds grown to hold `p`.
     #[inline]
     pub fn with(self, p: Vec3) -> Self {
-        Self { min: self.min.min(p), max: self.max.max(p) }
+        Self {
+            min: self.min.min(p),
+            max: self.max.max(p),
+        }
     }
 
     /// The bounds of both.
     #[inline]
     pub fn union(self, o: Bounds) -> Self {
-        Self { min: self.min.min(o.min), max: self.max.max(o.max) }
+        Self {
+            min: self.min.min(o.min),
+            max: self.max.max(o.max),
+        }
     }
 
     /// Whether no point is inside.
@@ -236,12 +266,20 @@ impl Bounds {
 
     /// The middle; the origin for empty bounds.
     pub fn center(&self) -> Vec3 {
-        if self.is_empty() { Vec3::ZERO } else { self.min * 0.5 + self.max * 0.5 }
+        if self.is_empty() {
+            Vec3::ZERO
+        } else {
+            self.min * 0.5 + self.max * 0.5
+        }
     }
 
     /// Half the diagonal: a sphere of this radius around the centre holds everything.
     pub fn radius(&self) -> f32 {
-        if self.is_empty() { 0.0 } else { (self.max * 0.5 - self.min * 0.5).length() }
+        if self.is_empty() {
+            0.0
+        } else {
+            (self.max * 0.5 - self.min * 0.5).length()
+        }
     }
 }
 

@@ -30,14 +30,20 @@ pub struct ExactShape {
 impl ExactShape {
     /// Places a unit shape.
     pub fn new(kind: ExactKind, to_world: Affine3A) -> Self {
-        Self { kind, to_world, to_object: to_world.inverse() }
+        Self {
+            kind,
+            to_world,
+            to_object: to_world.inverse(),
+        }
     }
 
     /// Bounds in world (or group) space, tight for boxes, slightly wide for curved shapes.
     pub fn bounds(&self) -> Bounds {
         let (lo, hi) = match self.kind {
             ExactKind::Sphere => (Vec3::NEG_ONE, Vec3::ONE),
-            ExactKind::Disk | ExactKind::Rectangle => (Vec3::new(-1.0, -1.0, 0.0), Vec3::new(1.0, 1.0, 0.0)),
+            ExactKind::Disk | ExactKind::Rectangle => {
+                (Vec3::new(-1.0, -1.0, 0.0), Vec3::new(1.0, 1.0, 0.0))
+            }
             ExactKind::Cylinder => (Vec3::new(-1.0, -1.0, 0.0), Vec3::ONE),
         };
         (0..8).fold(Bounds::EMPTY, |b, i| {

@@ -147,7 +147,13 @@ impl Bsdf {
 
     /// Draws a direction. `u_lobe` chooses among lobes, `u` inside one. `None` where nothing scatters
     /// (absorbed, below the horizon): a sample of value zero, never to be drawn again.
-    pub fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2, transport: Transport) -> Option<BsdfSample> {
+    pub fn sample(
+        &self,
+        wo: Vec3,
+        u_lobe: f32,
+        u: Vec2,
+        transport: Transport,
+    ) -> Option<BsdfSample> {
         let _ = (wo, u_lobe, u, transport);
         unimplemented!()
     }

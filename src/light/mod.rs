@@ -179,7 +179,15 @@ impl Lights {
 
     /// Density (solid angle, selection included) with which [`Lights::sample`] at `p`, `n` draws the
     /// direction to the point `q` of triangle `prim` of area emitter `emitter`; `ng` is the unit geometric normal at `q`.
-    pub fn pdf_area(&self, p: Vec3, n: Vec3, emitter: EmitterId, prim: u32, q: Vec3, ng: Vec3) -> f32 {
+    pub fn pdf_area(
+        &self,
+        p: Vec3,
+        n: Vec3,
+        emitter: EmitterId,
+        prim: u32,
+        q: Vec3,
+        ng: Vec3,
+    ) -> f32 {
         let _ = (p, n, emitter, prim, q, ng);
         unimplemented!()
     }

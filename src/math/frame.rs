@@ -36,7 +36,11 @@ impl Frame {
         if s.length_squared() < 0.5 || !s.is_finite() {
             return Self::new(n);
         }
-        Self { s, t: n.cross(s), n }
+        Self {
+            s,
+            t: n.cross(s),
+            n,
+        }
     }
 
     /// World to local.
@@ -58,9 +62,18 @@ mod tests {
 
     #[test]
     fn frames_are_orthonormal_everywhere() {
-        for n in [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::Z, Vec3::new(1e-7, 0.0, -1.0).normalize(), Vec3::ONE.normalize()] {
+        for n in [
+            Vec3::X,
+            Vec3::Y,
+            Vec3::Z,
+            -Vec3::Z,
+            Vec3::new(1e-7, 0.0, -1.0).normalize(),
+            Vec3::ONE.normalize(),
+        ] {
             let f = Frame::new(n);
-            assert!(f.s.dot(f.t).abs() < 1e-6 && f.s.dot(n).abs() < 1e-6 && f.t.dot(n).abs() < 1e-6);
+            assert!(
+                f.s.dot(f.t).abs() < 1e-6 && f.s.dot(n).abs() < 1e-6 && f.t.dot(n).abs() < 1e-6
+            );
             assert!((f.s.cross(f.t) - n).length() < 1e-6);
             let v = Vec3::new(0.3, -0.2, 0.9);
             assert!((f.to_world(f.to_local(v)) - v).length() < 1e-6);

@@ -19,18 +19,32 @@ pub const fn gamma(n: u32) -> f32 {
 #[inline]
 pub fn offset_origin(p: Vec3, error: Vec3, ng: Vec3, dir: Vec3) -> Vec3 {
     let distance = ng.abs().dot(error);
-    let offset = if dir.dot(ng) < 0.0 { -ng * distance } else { ng * distance };
+    let offset = if dir.dot(ng) < 0.0 {
+        -ng * distance
+    } else {
+        ng * distance
+    };
     let moved = p + offset;
-    Vec3::new(nudge(moved.x, offset.x), nudge(moved.y, offset.y), nudge(moved.z, offset.z))
+    Vec3::new(
+        nudge(moved.x, offset.x),
+        nudge(moved.y, offset.y),
+        nudge(moved.z, offset.z),
+    )
 }
 
+/// One float further towards the sign of `toward`. (`f32::next_up` needs a newer compiler than Debian 13's.)
 #[inline]
 fn nudge(x: f32, toward: f32) -> f32 {
-    if toward > 0.0 {
-        x.next_up()
-    } else if toward < 0.0 {
-        x.next_down()
-    } else {
-        x
+    if toward == 0.0 || !x.is_finite() {
+        return x;
     }
+    if x == 0.0 {
+        return f32::from_bits(1).copysign(toward);
+    }
+    let away_from_zero = (x > 0.0) == (toward > 0.0);
+    f32::from_bits(if away_from_zero {
+        x.to_bits() + 1
+    } else {
+        x.to_bits() - 1
+    })
 }

@@ -12,7 +12,10 @@ impl Pcg32 {
     /// A generator at the start of stream `stream` for the seed `seed`.
     #[inline]
     pub fn new(seed: u64, stream: u64) -> Self {
-        let mut rng = Self { state: 0, increment: (stream << 1) | 1 };
+        let mut rng = Self {
+            state: 0,
+            increment: (stream << 1) | 1,
+        };
         rng.next_u32();
         rng.state = rng.state.wrapping_add(seed);
         rng.next_u32();
@@ -23,7 +26,9 @@ impl Pcg32 {
     #[inline]
     pub fn next_u32(&mut self) -> u32 {
         let old = self.state;
-        self.state = old.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(self.increment);
+        self.state = old
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(self.increment);
         let xorshifted = (((old >> 18) ^ old) >> 27) as u32;
         xorshifted.rotate_right((old >> 59) as u32)
     }
@@ -54,5 +59,7 @@ pub fn hash64(mut x: u64) -> u64 {
 /// A hash of a sequence of integers: an identity such as (seed, pixel, sample) to a stream.
 #[inline]
 pub fn hash_all<const N: usize>(parts: [u64; N]) -> u64 {
-    parts.iter().fold(0x9e37_79b9_7f4a_7c15, |h, &p| hash64(h ^ p.wrapping_mul(0x9e37_79b9_7f4a_7c15)).wrapping_add(p))
+    parts.iter().fold(0x9e37_79b9_7f4a_7c15, |h, &p| {
+        hash64(h ^ p.wrapping_mul(0x9e37_79b9_7f4a_7c15)).wrapping_add(p)
+    })
 }

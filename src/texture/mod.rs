@@ -61,7 +61,11 @@ impl SurfacePoint<'_> {
             p: Vec3::ZERO,
             error: Vec3::ZERO,
             ng: Vec3::Z,
-            frame: Frame { s: Vec3::X, t: Vec3::Y, n: Vec3::Z },
+            frame: Frame {
+                s: Vec3::X,
+                t: Vec3::Y,
+                n: Vec3::Z,
+            },
             dp_du: Vec3::X,
             dp_dv: Vec3::Y,
             dn_du: Vec3::ZERO,
@@ -186,7 +190,11 @@ impl Texture {
 
     /// The value, if it is the same everywhere.
     pub fn constant(&self) -> Option<Rgb> {
-        if let Texture::Constant(c) = self { Some(*c) } else { None }
+        if let Texture::Constant(c) = self {
+            Some(*c)
+        } else {
+            None
+        }
     }
 }
 

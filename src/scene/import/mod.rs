@@ -42,6 +42,8 @@ impl std::fmt::Display for ImportError {
             (None, None) => {}
         }
         f.write_str(&self.message)?;
-        self.help.as_ref().map_or(Ok(()), |help| write!(f, "\n  help: {help}"))
+        self.help
+            .as_ref()
+            .map_or(Ok(()), |help| write!(f, "\n  help: {help}"))
     }
 }
