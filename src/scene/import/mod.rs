@@ -1,5 +1,7 @@
 //! Reading scenes and meshes, one file a format.
 
+pub mod mesh;
+
 use std::path::PathBuf;
 
 /// A place in a text file.
