@@ -6,6 +6,7 @@ pub mod mis;
 pub mod offset;
 pub mod rgb;
 pub mod rng;
+pub mod special;
 pub mod warp;
 
 pub use frame::Frame;
