@@ -7,6 +7,7 @@ pub mod offset;
 pub mod rgb;
 pub mod rng;
 pub mod sampler;
+pub mod special;
 pub mod warp;
 
 pub use frame::Frame;
