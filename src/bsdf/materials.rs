@@ -120,7 +120,7 @@ impl Materials {
 }
 
 /// The materials that a material names.
-fn inner_materials(material: &Material) -> impl Iterator<Item = MaterialId> + '_ {
+pub(super) fn inner_materials(material: &Material) -> impl Iterator<Item = MaterialId> + '_ {
     let (pair, parts): ([Option<MaterialId>; 2], &[(f32, MaterialId)]) = match material {
         Material::TwoSided { front, back } => ([Some(*front), Some(*back)], &[]),
         Material::Blend { first, second, .. } => ([Some(*first), Some(*second)], &[]),

@@ -167,6 +167,17 @@ impl Bsdf {
         normal_correction(wo, wi, self.frame.n, self.ng)
     }
 
+    /// The normal that tells which lights can matter, on the side of `wo`; zero where light from both
+    /// sides does, or where a bump or normal map turns the horizon.
+    #[inline]
+    pub fn light_normal(&self, wo: Vec3) -> Vec3 {
+        if self.flags().has(LobeFlags::TRANSMISSION) || self.tree.turns_normal() {
+            return Vec3::ZERO;
+        }
+        let n = self.frame.n;
+        if n.dot(wo) < 0.0 { -n } else { n }
+    }
+
     /// Reflectance for the albedo AOV (OIDN's meaning: about the colour a denoiser should keep; 1 for clear glass and mirrors).
     pub fn albedo(&self) -> Rgb {
         self.tree

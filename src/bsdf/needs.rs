@@ -1,5 +1,6 @@
 //! What a material asks of the surface it lies on, so that nothing else is computed.
 
+use super::materials::inner_materials;
 use super::{Material, MaterialId, Materials};
 use crate::texture::Texture;
 
@@ -18,26 +19,13 @@ impl Materials {
         self.any(id, &|m| matches!(m, Material::BumpMap { .. }))
     }
 
-    /// Whether `test` holds for material `id` or one inside it. Inner materials have smaller numbers
-    /// than the materials around them, so this ends.
+    /// Whether `test` holds for material `id` or one inside it. Only materials added before
+    /// are followed, so this ends.
     fn any(&self, id: MaterialId, test: &dyn Fn(&Material) -> bool) -> bool {
-        let material = self.get(id);
-        test(material) || inner(material).into_iter().any(|i| self.any(i, test))
-    }
-}
-
-/// The materials directly inside one.
-pub fn inner(material: &Material) -> Vec<MaterialId> {
-    match material {
-        Material::Mask { inner, .. }
-        | Material::BumpMap { inner, .. }
-        | Material::NormalMap { inner, .. }
-        | Material::Coating { inner, .. }
-        | Material::RoughCoating { inner, .. } => vec![*inner],
-        Material::TwoSided { front, back } => vec![*front, *back],
-        Material::Blend { first, second, .. } => vec![*first, *second],
-        Material::Mixture { parts } => parts.iter().map(|p| p.1).collect(),
-        _ => Vec::new(),
+        let Some(material) = self.list.get(id as usize).map(|p| &p.model) else {
+            return false;
+        };
+        test(material) || inner_materials(material).any(|i| i < id && self.any(i, test))
     }
 }
 
@@ -58,7 +46,7 @@ fn is_anisotropic(material: &Material) -> bool {
 }
 
 /// The textures a material itself looks up, without those of inner materials.
-pub fn textures(material: &Material) -> Vec<&Texture> {
+fn textures(material: &Material) -> Vec<&Texture> {
     match material {
         Material::Diffuse { reflectance } => vec![reflectance],
         Material::RoughDiffuse { reflectance, alpha, .. } => vec![reflectance, alpha],

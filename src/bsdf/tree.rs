@@ -115,6 +115,12 @@ impl Tree {
         (self.nodes.len() - 1) as NodeId
     }
 
+    /// Whether a bump or normal map is anywhere inside.
+    #[inline]
+    pub fn turns_normal(&self) -> bool {
+        self.nodes.iter().any(|n| matches!(n, Node::Perturbed(..)))
+    }
+
     /// The node that stands for the whole material: the last.
     #[inline]
     pub fn root(&self) -> NodeId {

@@ -139,7 +139,7 @@ fn sample_light(
     path: &mut Path,
     u: [f32; 3],
 ) -> Option<(Ray, ShadowRay)> {
-    path.from_normal = bsdf.light_normal();
+    path.from_normal = bsdf.light_normal(wo);
     let light = scene.lights.sample(point.p, path.from_normal, u)?;
     if settings.strict_normals && (crosses(point, light.dir) || crosses(point, wo)) {
         return None;
