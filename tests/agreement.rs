@@ -41,7 +41,11 @@ impl Planes {
             .iter()
             .map(|c| (c.name.to_string(), c.sample_data.values_as_f32().collect()))
             .collect();
-        Self { width: layer.size.x(), height: layer.size.y(), channels }
+        Self {
+            width: layer.size.x(),
+            height: layer.size.y(),
+            channels,
+        }
     }
 
     fn plane(&self, name: &str) -> &[f32] {
@@ -67,7 +71,15 @@ fn render(case: &Case, root: &Path, out: &Path) {
         .arg(root.join(case.folder).join(case.file))
         .arg("-o")
         .arg(out)
-        .args(["--width", "320", "--max-depth", "12", "--rfilter", "box", "--quiet"])
+        .args([
+            "--width",
+            "320",
+            "--max-depth",
+            "12",
+            "--rfilter",
+            "box",
+            "--quiet",
+        ])
         .args(["--format", "float", "--aov", "variance", "--spp", &spp])
         .args(case.arguments)
         .status()
@@ -76,7 +88,13 @@ fn render(case: &Case, root: &Path, out: &Path) {
 }
 
 /// Mean and variance of the mean over one block of one channel.
-fn block(plane: &[f32], variance: impl Fn(usize) -> f64, width: usize, x0: usize, y0: usize) -> (f64, f64) {
+fn block(
+    plane: &[f32],
+    variance: impl Fn(usize) -> f64,
+    width: usize,
+    x0: usize,
+    y0: usize,
+) -> (f64, f64) {
     let mut sum = (0.0, 0.0);
     for y in y0..y0 + BLOCK {
         for x in x0..x0 + BLOCK {
@@ -100,7 +118,10 @@ fn check(case: &Case) {
     let out = out.path().join("out.exr");
     render(case, &root, &out);
     let image = Planes::read(&out);
-    assert_eq!((image.width, image.height), (reference.width, reference.height));
+    assert_eq!(
+        (image.width, image.height),
+        (reference.width, reference.height)
+    );
 
     let (mut blocks, mut inside) = (0, 0);
     let (mut total, mut total_reference, mut total_variance) = (0.0, 0.0, 0.0);
@@ -112,7 +133,13 @@ fn check(case: &Case) {
         for y in (0..image.height - BLOCK + 1).step_by(BLOCK) {
             for x in (0..image.width - BLOCK + 1).step_by(BLOCK) {
                 let a = block(ours, |i| f64::from(ours_variance[i]), image.width, x, y);
-                let b = block(theirs, |i| f64::from(their_error[i]).powi(2), image.width, x, y);
+                let b = block(
+                    theirs,
+                    |i| f64::from(their_error[i]).powi(2),
+                    image.width,
+                    x,
+                    y,
+                );
                 // The floor is the rounding of the reference's half floats.
                 let floor = (b.0 * 5e-4).powi(2) + 1e-12;
                 let z = (a.0 - b.0) / (a.1 + b.1 + floor).sqrt();
@@ -127,35 +154,78 @@ fn check(case: &Case) {
     let share = inside as f64 / blocks as f64;
     let ratio = total / total_reference;
     let error = total_variance.sqrt() / total_reference;
-    println!("{}: {:.2} % of blocks agree, mean ratio {ratio:.5} +- {error:.5}", case.folder, share * 100.0);
-    assert!(share >= 0.99, "{}: only {:.2} % of blocks agree", case.folder, share * 100.0);
+    println!(
+        "{}: {:.2} % of blocks agree, mean ratio {ratio:.5} +- {error:.5}",
+        case.folder,
+        share * 100.0
+    );
+    assert!(
+        share >= 0.99,
+        "{}: only {:.2} % of blocks agree",
+        case.folder,
+        share * 100.0
+    );
     let tolerance = case.mean_tolerance.max(3.0 * error);
-    assert!((ratio - 1.0).abs() < tolerance, "{}: mean ratio {ratio}", case.folder);
+    assert!(
+        (ratio - 1.0).abs() < tolerance,
+        "{}: mean ratio {ratio}",
+        case.folder
+    );
 }
 
 #[test]
 fn cornell_box_agrees() {
-    check(&Case { folder: "cbox", file: "scene_v3.xml", arguments: &[], spp: 64, mean_tolerance: 0.01 });
+    check(&Case {
+        folder: "cbox",
+        file: "scene_v3.xml",
+        arguments: &[],
+        spp: 64,
+        mean_tolerance: 0.01,
+    });
 }
 
 #[test]
 fn veach_ajar_agrees() {
-    check(&Case { folder: "veach-ajar", file: "scene.xml", arguments: &[], spp: 64, mean_tolerance: 0.01 });
+    check(&Case {
+        folder: "veach-ajar",
+        file: "scene.xml",
+        arguments: &[],
+        spp: 64,
+        mean_tolerance: 0.01,
+    });
 }
 
 #[test]
 fn kitchen_agrees() {
-    check(&Case { folder: "kitchen", file: "scene_v3_env.xml", arguments: &[], spp: 64, mean_tolerance: 0.01 });
+    check(&Case {
+        folder: "kitchen",
+        file: "scene_v3_env.xml",
+        arguments: &[],
+        spp: 64,
+        mean_tolerance: 0.01,
+    });
 }
 
 #[test]
 fn torus_agrees() {
-    check(&Case { folder: "torus", file: "scene_v3_env.xml", arguments: &[], spp: 64, mean_tolerance: 0.01 });
+    check(&Case {
+        folder: "torus",
+        file: "scene_v3_env.xml",
+        arguments: &[],
+        spp: 64,
+        mean_tolerance: 0.01,
+    });
 }
 
 #[test]
 fn pool_agrees() {
-    check(&Case { folder: "lux-pool", file: "scene.xml", arguments: &[], spp: 64, mean_tolerance: 0.01 });
+    check(&Case {
+        folder: "lux-pool",
+        file: "scene.xml",
+        arguments: &[],
+        spp: 64,
+        mean_tolerance: 0.01,
+    });
 }
 
 #[test]

@@ -19,8 +19,14 @@ fn backends() -> Vec<Backend> {
 /// The mean must be `truth` within 4 standard errors, and the standard error small enough to see 0.5 %.
 fn expect(what: &str, truth: f64, (mean, error): (f64, f64)) {
     println!("{what}: {mean:.5} +- {error:.5}, truth {truth}");
-    assert!(error < 0.002 * truth.max(0.1), "{what}: too noisy to tell: {error}");
-    assert!((mean - truth).abs() < 4.0 * error + 1e-5 * truth, "{what}: {mean} +- {error} is not {truth}");
+    assert!(
+        error < 0.002 * truth.max(0.1),
+        "{what}: too noisy to tell: {error}"
+    );
+    assert!(
+        (mean - truth).abs() < 4.0 * error + 1e-5 * truth,
+        "{what}: {mean} +- {error} is not {truth}"
+    );
 }
 
 /// Inside a closed surface of albedo 1/2 that glows with 1/2, every radiance is 1/2 / (1 - 1/2) = 1.
@@ -46,8 +52,15 @@ fn point_light_in_a_sphere_shows_one() {
         let mut maker = SceneMaker::new(Vec3::new(0.3, 0.0, 0.1), Vec3::X, 60.0, 16);
         let wall = maker.diffuse(0.5);
         maker.sphere(Vec3::ZERO, 1.0, wall, None, true);
-        maker.emitter(Emitter::Point { position: Vec3::ZERO, intensity: Rgb::splat(std::f32::consts::PI) });
-        expect("point light", 1.0, maker.build(backend).mean(&settings(), 512));
+        maker.emitter(Emitter::Point {
+            position: Vec3::ZERO,
+            intensity: Rgb::splat(std::f32::consts::PI),
+        });
+        expect(
+            "point light",
+            1.0,
+            maker.build(backend).mean(&settings(), 512),
+        );
     }
 }
 
@@ -61,7 +74,11 @@ fn convex_body_in_constant_light_shows_its_albedo() {
             maker.sphere(Vec3::ZERO, 1.0, body, None, false);
             maker.emitter(Emitter::Constant { radiance: Rgb::ONE });
             let built = maker.build(backend);
-            expect("sphere in constant light", f64::from(albedo), built.mean(&settings(), 256));
+            expect(
+                "sphere in constant light",
+                f64::from(albedo),
+                built.mean(&settings(), 256),
+            );
         }
     }
 }
@@ -81,7 +98,11 @@ fn white_furnace_hides_lossless_bodies() {
                 specular_reflectance: grey(1.0),
                 specular_transmittance: grey(1.0),
             },
-            Material::Conductor { eta: grey(0.0), k: grey(1.0), specular_reflectance: grey(1.0) },
+            Material::Conductor {
+                eta: grey(0.0),
+                k: grey(1.0),
+                specular_reflectance: grey(1.0),
+            },
             Material::Null,
         ];
         for material in materials {
@@ -109,7 +130,10 @@ fn disk_light_over_a_floor_matches_its_form_factor() {
         let floor = maker.diffuse(albedo);
         let black = maker.diffuse(0.0);
         let flat = Affine3A::from_rotation_x(-std::f32::consts::FRAC_PI_2);
-        let ground = maker.exact(ExactKind::Rectangle, flat * Affine3A::from_scale(Vec3::splat(10.0)));
+        let ground = maker.exact(
+            ExactKind::Rectangle,
+            flat * Affine3A::from_scale(Vec3::splat(10.0)),
+        );
         maker.shape(ground, floor, None, false);
         let down = Affine3A::from_translation(Vec3::Y * height)
             * Affine3A::from_rotation_x(std::f32::consts::FRAC_PI_2)
@@ -117,7 +141,11 @@ fn disk_light_over_a_floor_matches_its_form_factor() {
         let lamp = maker.exact(ExactKind::Disk, down);
         maker.shape(lamp, black, Some(radiance), false);
         let truth = albedo * radiance * radius * radius / (radius * radius + height * height);
-        expect("disk", f64::from(truth), maker.build(backend).mean(&settings(), 4096));
+        expect(
+            "disk",
+            f64::from(truth),
+            maker.build(backend).mean(&settings(), 4096),
+        );
     }
 }
 
@@ -127,7 +155,10 @@ fn masks_let_their_share_through() {
     for backend in backends() {
         let mut maker = SceneMaker::new(Vec3::new(0.0, 0.0, -3.0), Vec3::ZERO, 10.0, 16);
         let black = maker.diffuse(0.0);
-        let veil = maker.material(Material::Mask { opacity: grey(0.3), inner: black });
+        let veil = maker.material(Material::Mask {
+            opacity: grey(0.3),
+            inner: black,
+        });
         let sheet = maker.exact(ExactKind::Rectangle, Affine3A::from_scale(Vec3::splat(5.0)));
         maker.shape(sheet, veil, None, false);
         maker.emitter(Emitter::Constant { radiance: Rgb::ONE });

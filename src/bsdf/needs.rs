@@ -35,10 +35,13 @@ fn is_anisotropic(material: &Material) -> bool {
         _ => true,
     };
     match material {
-        Material::RoughConductor { roughness, .. } | Material::RoughDielectric { roughness, .. } => {
+        Material::RoughConductor { roughness, .. }
+        | Material::RoughDielectric { roughness, .. } => {
             differ(&roughness.alpha_u, &roughness.alpha_v)
         }
-        Material::Ward { alpha_u, alpha_v, .. } => differ(alpha_u, alpha_v),
+        Material::Ward {
+            alpha_u, alpha_v, ..
+        } => differ(alpha_u, alpha_v),
         Material::Principled(p) => p.anisotropic.constant() != Some(crate::math::Rgb::ZERO),
         Material::PrincipledThin(p) => p.anisotropic.constant() != Some(crate::math::Rgb::ZERO),
         _ => false,
@@ -49,31 +52,84 @@ fn is_anisotropic(material: &Material) -> bool {
 fn textures(material: &Material) -> Vec<&Texture> {
     match material {
         Material::Diffuse { reflectance } => vec![reflectance],
-        Material::RoughDiffuse { reflectance, alpha, .. } => vec![reflectance, alpha],
-        Material::Dielectric { specular_reflectance, specular_transmittance, .. }
-        | Material::ThinDielectric { specular_reflectance, specular_transmittance, .. } => {
+        Material::RoughDiffuse {
+            reflectance, alpha, ..
+        } => vec![reflectance, alpha],
+        Material::Dielectric {
+            specular_reflectance,
+            specular_transmittance,
+            ..
+        }
+        | Material::ThinDielectric {
+            specular_reflectance,
+            specular_transmittance,
+            ..
+        } => {
             vec![specular_reflectance, specular_transmittance]
         }
-        Material::RoughDielectric { roughness, specular_reflectance, specular_transmittance, .. } => vec![
+        Material::RoughDielectric {
+            roughness,
+            specular_reflectance,
+            specular_transmittance,
+            ..
+        } => vec![
             &roughness.alpha_u,
             &roughness.alpha_v,
             specular_reflectance,
             specular_transmittance,
         ],
-        Material::Conductor { eta, k, specular_reflectance } => vec![eta, k, specular_reflectance],
-        Material::RoughConductor { eta, k, roughness, specular_reflectance } => {
-            vec![eta, k, &roughness.alpha_u, &roughness.alpha_v, specular_reflectance]
+        Material::Conductor {
+            eta,
+            k,
+            specular_reflectance,
+        } => vec![eta, k, specular_reflectance],
+        Material::RoughConductor {
+            eta,
+            k,
+            roughness,
+            specular_reflectance,
+        } => {
+            vec![
+                eta,
+                k,
+                &roughness.alpha_u,
+                &roughness.alpha_v,
+                specular_reflectance,
+            ]
         }
-        Material::Plastic { diffuse_reflectance, specular_reflectance, .. } => {
+        Material::Plastic {
+            diffuse_reflectance,
+            specular_reflectance,
+            ..
+        } => {
             vec![diffuse_reflectance, specular_reflectance]
         }
-        Material::RoughPlastic { roughness, diffuse_reflectance, specular_reflectance, .. } => {
-            vec![&roughness.alpha_u, diffuse_reflectance, specular_reflectance]
+        Material::RoughPlastic {
+            roughness,
+            diffuse_reflectance,
+            specular_reflectance,
+            ..
+        } => {
+            vec![
+                &roughness.alpha_u,
+                diffuse_reflectance,
+                specular_reflectance,
+            ]
         }
-        Material::Phong { diffuse_reflectance, specular_reflectance, exponent } => {
+        Material::Phong {
+            diffuse_reflectance,
+            specular_reflectance,
+            exponent,
+        } => {
             vec![diffuse_reflectance, specular_reflectance, exponent]
         }
-        Material::Ward { diffuse_reflectance, specular_reflectance, alpha_u, alpha_v, .. } => {
+        Material::Ward {
+            diffuse_reflectance,
+            specular_reflectance,
+            alpha_u,
+            alpha_v,
+            ..
+        } => {
             vec![diffuse_reflectance, specular_reflectance, alpha_u, alpha_v]
         }
         Material::Principled(p) => vec![
@@ -106,8 +162,17 @@ fn textures(material: &Material) -> Vec<&Texture> {
         Material::BumpMap { displacement, .. } => vec![displacement],
         Material::NormalMap { normals, .. } => vec![normals],
         Material::Blend { weight, .. } => vec![weight],
-        Material::Coating { sigma_a, specular_reflectance, .. } => vec![sigma_a, specular_reflectance],
-        Material::RoughCoating { roughness, sigma_a, specular_reflectance, .. } => {
+        Material::Coating {
+            sigma_a,
+            specular_reflectance,
+            ..
+        } => vec![sigma_a, specular_reflectance],
+        Material::RoughCoating {
+            roughness,
+            sigma_a,
+            specular_reflectance,
+            ..
+        } => {
             vec![&roughness.alpha_u, sigma_a, specular_reflectance]
         }
         Material::Null | Material::TwoSided { .. } | Material::Mixture { .. } => Vec::new(),

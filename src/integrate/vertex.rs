@@ -50,7 +50,9 @@ pub fn visit(
         return Next::END;
     }
     let surface = &scene.surfaces.list[hit.shape as usize];
-    let point = scene.surfaces.point(ray, hit, path.cone_width + path.cone_spread * hit.t);
+    let point = scene
+        .surfaces
+        .point(ray, hit, path.cone_width + path.cone_spread * hit.t);
     let wo = -ray.dir;
     if surface.emitter != DARK {
         add_emission(scene, settings, surface.emitter, &point, wo, path, outcome);
@@ -58,25 +60,49 @@ pub fn visit(
     if path.depth + 1 >= settings.max_depth && path.depth > 0 {
         return Next::END;
     }
-    let bsdf = scene.surfaces.materials.resolve(surface.material, &point, wo);
+    let bsdf = scene
+        .surfaces
+        .materials
+        .resolve(surface.material, &point, wo);
     if path.depth == 0 {
-        outcome.first = FirstHit { albedo: bsdf.albedo(), normal: point.frame.n, depth: hit.t };
+        outcome.first = FirstHit {
+            albedo: bsdf.albedo(),
+            normal: point.frame.n,
+            depth: hit.t,
+        };
         if settings.max_depth < 2 {
             return Next::END;
         }
     }
     let block = path.sampler.next4();
     let shadow = if bsdf.flags().has(LobeFlags::SMOOTH) {
-        sample_light(scene, settings, &point, &bsdf, wo, path, [block[0], block[1], block[2]])
+        sample_light(
+            scene,
+            settings,
+            &point,
+            &bsdf,
+            wo,
+            path,
+            [block[0], block[1], block[2]],
+        )
     } else {
         path.from_normal = Vec3::ZERO;
         None
     };
-    Next { ray: scatter(settings, &point, &bsdf, wo, path, block[3], hit.t), shadow }
+    Next {
+        ray: scatter(settings, &point, &bsdf, wo, path, block[3], hit.t),
+        shadow,
+    }
 }
 
 /// Adds what shines from outside the scene.
-fn add_environment(scene: &Scene, settings: &PathSettings, ray: &Ray, path: &Path, outcome: &mut Outcome) {
+fn add_environment(
+    scene: &Scene,
+    settings: &PathSettings,
+    ray: &Ray,
+    path: &Path,
+    outcome: &mut Outcome,
+) {
     let hidden = path.depth == 0 && settings.hide_emitters;
     if hidden || !scene.lights.has_environment() {
         return;
@@ -86,7 +112,9 @@ fn add_environment(scene: &Scene, settings: &PathSettings, ray: &Ray, path: &Pat
         return;
     }
     let weight = if path.pdf.is_finite() {
-        let light_pdf = scene.lights.pdf_environment(path.from, path.from_normal, ray.dir);
+        let light_pdf = scene
+            .lights
+            .pdf_environment(path.from, path.from_normal, ray.dir);
         power_heuristic(path.pdf, light_pdf)
     } else {
         1.0
@@ -113,8 +141,14 @@ fn add_emission(
     }
     let weight = if path.pdf.is_finite() {
         let lights = &scene.lights;
-        let light_pdf =
-            lights.pdf_area(path.from, path.from_normal, emitter, point.prim, point.p, point.ng);
+        let light_pdf = lights.pdf_area(
+            path.from,
+            path.from_normal,
+            emitter,
+            point.prim,
+            point.p,
+            point.ng,
+        );
         power_heuristic(path.pdf, light_pdf)
     } else {
         1.0
@@ -148,7 +182,11 @@ fn sample_light(
     if f == Rgb::ZERO {
         return None;
     }
-    let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf, bsdf_pdf) };
+    let weight = if light.delta {
+        1.0
+    } else {
+        power_heuristic(light.pdf, bsdf_pdf)
+    };
     let radiance = path.throughput * f * light.radiance * (weight / light.pdf);
     let org = offset_origin(point.p, point.error, point.ng, light.dir);
     let mut ray = Ray::new(org, light.dir);
@@ -156,7 +194,13 @@ fn sample_light(
         let rounding = 4.0 * gamma(7) * point.p.abs().max_element();
         ray.tmax = light.distance * (1.0 - SHADOW_MARGIN) - rounding;
     }
-    Some((ray, ShadowRay { slot: path.slot, radiance }))
+    Some((
+        ray,
+        ShadowRay {
+            slot: path.slot,
+            radiance,
+        },
+    ))
 }
 
 /// Samples the BSDF and plays roulette: the next ray, or none.
@@ -193,7 +237,10 @@ fn scatter(
     if !delta {
         path.cone_spread = path.cone_spread.max(bsdf.roughness() * ROUGH_SPREAD);
     }
-    Some(Ray::new(offset_origin(point.p, point.error, point.ng, sample.wi), sample.wi))
+    Some(Ray::new(
+        offset_origin(point.p, point.error, point.ng, sample.wi),
+        sample.wi,
+    ))
 }
 
 /// After a rough bounce textures are seen blurred: a lobe of roughness 1 spreads its cone this much per

@@ -134,7 +134,9 @@ impl Wave {
     /// Adds the light of all unblocked shadow rays.
     fn collect_light(&mut self, scene: &Scene) {
         self.blocked.resize(self.shadow_rays.len(), false);
-        scene.rays.occluded_batch(&self.shadow_rays, &mut self.blocked);
+        scene
+            .rays
+            .occluded_batch(&self.shadow_rays, &mut self.blocked);
         self.rays_traced += self.shadow_rays.len() as u64;
         for (shadow, blocked) in self.shadows.iter().zip(&self.blocked) {
             if !blocked {
@@ -146,5 +148,8 @@ impl Wave {
 
 impl Next {
     /// The path ends here.
-    pub const END: Next = Next { ray: None, shadow: None };
+    pub const END: Next = Next {
+        ray: None,
+        shadow: None,
+    };
 }

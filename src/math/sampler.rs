@@ -73,7 +73,11 @@ mod tests {
             for pixel in 0..256u64 {
                 for sample in 0..256u64 {
                     let a = first(&mut PathSampler::independent(7, pixel, sample));
-                    let b = first(&mut PathSampler::independent(7, pixel + shift.0, sample + shift.1));
+                    let b = first(&mut PathSampler::independent(
+                        7,
+                        pixel + shift.0,
+                        sample + shift.1,
+                    ));
                     sum += f64::from(a * b) * 12.0;
                 }
             }
@@ -88,7 +92,10 @@ mod tests {
             let x = PathSampler::sobol(1, 2, sample).next4();
             counts[(x[0] * 8.0) as usize * 8 + (x[1] * 8.0) as usize] += 1;
         }
-        assert!(counts.iter().all(|&c| c == 1), "a (0,2)-net puts one point in each cell");
+        assert!(
+            counts.iter().all(|&c| c == 1),
+            "a (0,2)-net puts one point in each cell"
+        );
         let mut s = PathSampler::sobol(1, 2, 3);
         for _ in 0..1000 {
             assert!(s.next4().iter().all(|x| (0.0..1.0).contains(x)));

@@ -125,7 +125,10 @@ mod tests {
             counts[ring * 8 + sector] += 1.0;
         }
         let expected = f64::from(n) / 64.0;
-        let chi2: f64 = counts.iter().map(|c| (c - expected).powi(2) / expected).sum();
+        let chi2: f64 = counts
+            .iter()
+            .map(|c| (c - expected).powi(2) / expected)
+            .sum();
         // 63 degrees of freedom: 1 % of uniform samples exceed 92.
         assert!(chi2 < 92.0, "{chi2}");
     }

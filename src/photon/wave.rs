@@ -38,7 +38,10 @@ impl PhotonWave {
         range: std::ops::Range<u64>,
         land: &mut impl FnMut(Landing),
     ) -> PhotonCounts {
-        let mut counts = PhotonCounts { emitted: range.end - range.start, ..PhotonCounts::default() };
+        let mut counts = PhotonCounts {
+            emitted: range.end - range.start,
+            ..PhotonCounts::default()
+        };
         self.emit(scene, settings, range, &mut counts);
         while !self.rays.is_empty() {
             self.hits.resize(self.rays.len(), Hit::NONE);
@@ -59,7 +62,9 @@ impl PhotonWave {
         for photon in range {
             let mut sampler = PathSampler::independent(settings.seed, photon, u64::MAX);
             let (a, b) = (sampler.next4(), sampler.next4());
-            let Some(start) = scene.lights.emit([a[0], a[1], a[2], a[3], b[0]]) else { continue };
+            let Some(start) = scene.lights.emit([a[0], a[1], a[2], a[3], b[0]]) else {
+                continue;
+            };
             if !(start.power.is_finite() && start.dir.is_finite() && start.org.is_finite()) {
                 counts.invalid += 1;
                 continue;
@@ -96,7 +101,15 @@ impl PhotonWave {
                 continue;
             }
             let mut flight = self.flights[i];
-            let next = scatter(scene, settings, &self.rays[i], &self.hits[i], &mut flight, counts, land);
+            let next = scatter(
+                scene,
+                settings,
+                &self.rays[i],
+                &self.hits[i],
+                &mut flight,
+                counts,
+                land,
+            );
             let Some(ray) = next else { continue };
             self.rays[kept] = ray;
             self.flights[kept] = flight;
@@ -120,10 +133,17 @@ fn scatter(
     let surface = &scene.surfaces.list[hit.shape as usize];
     let point = scene.surfaces.point(ray, hit, 0.0);
     let wo = -ray.dir;
-    let bsdf = scene.surfaces.materials.resolve(surface.material, &point, wo);
+    let bsdf = scene
+        .surfaces
+        .materials
+        .resolve(surface.material, &point, wo);
     flight.travelled += hit.t;
     if bsdf.flags().has(LobeFlags::SMOOTH) {
-        let normal = if point.frame.n.dot(wo) < 0.0 { -point.frame.n } else { point.frame.n };
+        let normal = if point.frame.n.dot(wo) < 0.0 {
+            -point.frame.n
+        } else {
+            point.frame.n
+        };
         counts.landings += 1;
         land(Landing {
             position: point.p,

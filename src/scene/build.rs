@@ -53,10 +53,18 @@ impl Scene {
             .into_iter()
             .map(|shape| surface_of(shape, &materials))
             .collect();
-        let surfaces = Arc::new(Surfaces { list, instances, materials });
+        let surfaces = Arc::new(Surfaces {
+            list,
+            instances,
+            materials,
+        });
         let rays = accel::build(world, settings, Some(surfaces.clone()), backend)?;
         let lights = Lights::build(emitters, &glowing, rays.bounds())?;
-        Ok(Self { surfaces, lights, rays })
+        Ok(Self {
+            surfaces,
+            lights,
+            rays,
+        })
     }
 }
 
@@ -65,7 +73,9 @@ fn glowing_shapes(description: &mut Description) -> (Vec<Emitter>, Vec<EmitterSh
     let mut glowing = Vec::new();
     let mut emitters = std::mem::take(&mut description.emitters);
     for emitter in &mut emitters {
-        let Emitter::Area { shape, .. } = emitter else { continue };
+        let Emitter::Area { shape, .. } = emitter else {
+            continue;
+        };
         let source = &description.shapes[*shape as usize];
         *shape = glowing.len() as u32;
         glowing.push(match &source.geometry {

@@ -112,7 +112,10 @@ fn mesh_point<'a>(mesh: &'a Mesh, hit: &Hit, needs: Needs) -> SurfacePoint<'a> {
         * (ERROR_SAFETY * gamma(7));
     let ng = e1.cross(e2).normalize_or(Vec3::Z);
 
-    let corner_uvs = mesh.uvs.as_ref().map(|uvs| vertices.map(|i| uvs[i as usize]));
+    let corner_uvs = mesh
+        .uvs
+        .as_ref()
+        .map(|uvs| vertices.map(|i| uvs[i as usize]));
     let uv = corner_uvs.map_or(Vec2::new(hit.u, hit.v), |[ta, tb, tc]| {
         ta * w + tb * hit.u + tc * hit.v
     });
@@ -128,7 +131,11 @@ fn mesh_point<'a>(mesh: &'a Mesh, hit: &Hit, needs: Needs) -> SurfacePoint<'a> {
         p,
         error,
         ng,
-        frame: Frame { s: Vec3::X, t: Vec3::Y, n },
+        frame: Frame {
+            s: Vec3::X,
+            t: Vec3::Y,
+            n,
+        },
         dp_du: Vec3::ZERO,
         dp_dv: Vec3::ZERO,
         dn_du: Vec3::ZERO,
@@ -150,7 +157,10 @@ fn mesh_point<'a>(mesh: &'a Mesh, hit: &Hit, needs: Needs) -> SurfacePoint<'a> {
     if needs.normal_change {
         if let (Some(m), Some([na, nb, nc])) = (along, corner_normals) {
             let (du, dv) = m.apply(nb - na, nc - na);
-            let scale = (na * w + nb * hit.u + nc * hit.v).length().max(1e-6).recip();
+            let scale = (na * w + nb * hit.u + nc * hit.v)
+                .length()
+                .max(1e-6)
+                .recip();
             point.dn_du = (du - n * n.dot(du)) * scale;
             point.dn_dv = (dv - n * n.dot(dv)) * scale;
         }
@@ -183,7 +193,11 @@ impl UvInverse {
         if det.abs() <= 1e-12 * d1.length_squared().max(d2.length_squared()) || !det.is_finite() {
             return None;
         }
-        Some(Self { d1, d2, inv_det: det.recip() })
+        Some(Self {
+            d1,
+            d2,
+            inv_det: det.recip(),
+        })
     }
 
     /// Derivatives along u and v of a quantity that changes by `e1`, `e2` along the edges.
@@ -209,7 +223,11 @@ fn unit_point(kind: ExactKind, q: Vec3) -> UnitPoint {
         ExactKind::Sphere => {
             let p = q.normalize_or(Vec3::Z);
             let r = p.truncate().length();
-            let (cos, sin) = if r > 0.0 { (p.x / r, p.y / r) } else { (1.0, 0.0) };
+            let (cos, sin) = if r > 0.0 {
+                (p.x / r, p.y / r)
+            } else {
+                (1.0, 0.0)
+            };
             UnitPoint {
                 p,
                 n: p,
@@ -221,7 +239,12 @@ fn unit_point(kind: ExactKind, q: Vec3) -> UnitPoint {
             let p = Vec3::new(q.x, q.y, 0.0);
             let r = p.length();
             let out = if r > 0.0 { p / r } else { Vec3::X };
-            UnitPoint { p, n: Vec3::Z, dp_du: out, dp_dv: Vec3::new(-p.y, p.x, 0.0) * TAU }
+            UnitPoint {
+                p,
+                n: Vec3::Z,
+                dp_du: out,
+                dp_dv: Vec3::new(-p.y, p.x, 0.0) * TAU,
+            }
         }
         ExactKind::Cylinder => {
             let out = Vec3::new(q.x, q.y, 0.0).normalize_or(Vec3::X);
@@ -253,7 +276,11 @@ fn exact_point<'a>(shape: &ExactShape, flip: bool, met: Vec3, hit: &Hit) -> Surf
     let (dn_du, dn_dv) = match shape.kind {
         ExactKind::Sphere | ExactKind::Cylinder => {
             let radius = dp_du.length().max(1e-30) / unit.dp_du.length().max(1e-30);
-            let along = if shape.kind == ExactKind::Sphere { dp_dv } else { Vec3::ZERO };
+            let along = if shape.kind == ExactKind::Sphere {
+                dp_dv
+            } else {
+                Vec3::ZERO
+            };
             (dp_du * (sign / radius), along * (sign / radius))
         }
         ExactKind::Disk | ExactKind::Rectangle => (Vec3::ZERO, Vec3::ZERO),
