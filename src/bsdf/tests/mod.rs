@@ -5,8 +5,10 @@ use super::{Bsdf, Materials};
 use crate::math::{Vec2, Vec3};
 use crate::texture::SurfacePoint;
 
+mod densities;
 mod mitsuba;
 mod models;
+mod statistics;
 
 /// The named model at a flat point whose local frame is the world's.
 fn resolved(name: &str, wo: Vec3) -> Bsdf {

@@ -277,7 +277,7 @@ pub(super) fn add(materials: &mut Materials, name: &str) -> MaterialId {
 }
 
 /// Every model with a smooth part.
-pub(super) const SMOOTH: [&str; 32] = [
+pub(super) const SMOOTH: [&str; 31] = [
     "diffuse",
     "rough_diffuse",
     "rough_diffuse_fast",
@@ -309,7 +309,6 @@ pub(super) const SMOOTH: [&str; 32] = [
     "coated_diffuse",
     "rough_coating",
     "rough_coated_diffuse",
-    "two_sided_nest",
 ];
 
 /// Models of delta parts alone.
