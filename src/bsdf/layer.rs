@@ -203,9 +203,7 @@ impl RoughCoating {
         if o.z != 0.0 && i.z != 0.0 {
             let (below, below_pdf) = tree.eval_pdf(inner, o, i, transport);
             let jacobian = (wi.z / i.z).abs() / (self.layer.eta * self.layer.eta);
-            // Mitsuba's conversion of irradiance as well, for wo.
-            let factor = jacobian * (wo.z / o.z).abs();
-            value += below * self.through(wo, wi, o, i) * factor;
+            value += below * self.through(wo, wi, o, i) * jacobian;
             pdf += below_pdf * jacobian * (1.0 - p);
         }
         (value, pdf)

@@ -15,8 +15,10 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// Entries of a table, Mitsuba's number.
 const SIZE: usize = 64;
-/// Points of the quadrature on each axis.
+/// Points of the quadrature on each axis for light from outside.
 const NODES: usize = 32;
+/// The same for light from inside, where total reflection begins with a kink.
+const NODES_INSIDE: usize = 64;
 
 /// Transmittance of one rough interface for directional and for diffuse light.
 #[derive(Clone, Debug)]
@@ -59,15 +61,18 @@ impl RoughTransmittance {
     }
 
     fn integrate(facets: &Microfacet, eta: f32) -> Self {
-        let rule = gauss_legendre();
+        let rule = gauss_legendre::<NODES>();
+        let rule_inside = gauss_legendre::<NODES_INSIDE>();
         let mut from_outside = [0.0; SIZE];
         let mut inside = 0.0;
         for (i, t) in from_outside.iter_mut().enumerate() {
             let cos = (i as f32 / (SIZE - 1) as f32).max(1e-6);
             let wo = Vec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos);
             *t = over_normals(facets, wo, &rule, |m| transmitted(facets, wo, m, eta));
-            inside +=
-                cos * over_normals(facets, wo, &rule, |m| reflected(facets, wo, m, 1.0 / eta));
+            inside += cos
+                * over_normals(facets, wo, &rule_inside, |m| {
+                    reflected(facets, wo, m, 1.0 / eta)
+                });
         }
         Self {
             from_outside,
@@ -99,7 +104,7 @@ fn reflected(facets: &Microfacet, wo: Vec3, m: Vec3, eta: f32) -> f32 {
 fn over_normals(
     facets: &Microfacet,
     wo: Vec3,
-    rule: &[(f32, f32); NODES],
+    rule: &[(f32, f32)],
     f: impl Fn(Vec3) -> f32,
 ) -> f32 {
     let mut sum = 0.0f64;
@@ -114,14 +119,14 @@ fn over_normals(
 
 /// Nodes and weights of Gauss and Legendre's rule on `[0, 1]`: the roots of the Legendre polynomial by
 /// Newton's method, from the asymptotic guess.
-fn gauss_legendre() -> [(f32, f32); NODES] {
-    let n = NODES as f64;
+fn gauss_legendre<const N: usize>() -> [(f32, f32); N] {
+    let n = N as f64;
     std::array::from_fn(|i| {
         let mut x = (std::f64::consts::PI * (i as f64 + 0.75) / (n + 0.5)).cos();
         let mut derivative = 1.0;
         for _ in 0..8 {
             let (mut p0, mut p1) = (1.0, x);
-            for k in 2..=NODES {
+            for k in 2..=N {
                 let k = k as f64;
                 (p0, p1) = (p1, ((2.0 * k - 1.0) * x * p1 - (k - 1.0) * p0) / k);
             }
@@ -139,7 +144,7 @@ mod tests {
 
     #[test]
     fn the_rule_integrates_polynomials() {
-        let rule = gauss_legendre();
+        let rule = gauss_legendre::<NODES>();
         for power in [0, 1, 2, 7, 20] {
             let sum: f64 = rule
                 .iter()

@@ -107,3 +107,14 @@ pub(super) fn share(first: f32, second: f32) -> f32 {
 pub(super) fn mean(c: Rgb) -> f32 {
     (c.x + c.y + c.z) * (1.0 / 3.0)
 }
+
+/// A diffuse and a specular reflectance, scaled down where they sum to more than 1 in a channel, as
+/// Mitsuba 0.6 does for its empirical models (there by the textures' maxima, here at the point).
+#[inline]
+pub(super) fn conserving(diffuse: Rgb, specular: Rgb) -> (Rgb, Rgb) {
+    let most = (diffuse + specular).max_element();
+    if most <= 1.0 {
+        return (diffuse, specular);
+    }
+    (diffuse * (0.99 / most), specular * (0.99 / most))
+}

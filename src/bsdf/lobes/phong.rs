@@ -1,6 +1,8 @@
 //! The modified Phong model (Lafortune and Willems 1994), as Mitsuba 0.6 has it.
 
-use super::{GLOSSY_REFLECTION, Lobe, cosine_pdf, mean, sample_cosine, share, smooth_sample};
+use super::{
+    GLOSSY_REFLECTION, Lobe, conserving, cosine_pdf, mean, sample_cosine, share, smooth_sample,
+};
 use crate::bsdf::{BsdfSample, LobeFlags, Transport};
 use crate::math::{Frame, Rgb, Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, TAU};
@@ -16,6 +18,7 @@ pub(in crate::bsdf) struct Phong {
 
 impl Phong {
     pub fn new(diffuse: Rgb, specular: Rgb, exponent: f32) -> Self {
+        let (diffuse, specular) = conserving(diffuse, specular);
         Self {
             diffuse,
             specular,

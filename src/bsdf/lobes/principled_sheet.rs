@@ -128,22 +128,32 @@ impl Lobe for PrincipledSheet {
         let side = wo.z.signum();
         let up = wo * side;
         let (p_specular, p_diffuse) = self.odds();
-        let transmitted = u_lobe >= p_specular
-            && !(2.0 * p_specular..2.0 * p_specular + p_diffuse).contains(&u_lobe);
         let mut wi = if u_lobe < p_specular {
             reflect(up, self.reflecting.sample(up, u)).normalize()
         } else if u_lobe < 2.0 * p_specular {
-            reflect(up, self.transmitting.sample(up, u)).normalize()
+            let m = self.transmitting.sample(up, u);
+            let w = reflect(up, m).normalize();
+            let turned = Vec3::new(w.x, w.y, -w.z);
+            if turned.dot(m) >= 0.0 {
+                return None;
+            }
+            turned
         } else {
             sample_cosine(u)
         };
-        if wi.z <= 0.0 {
-            return None;
-        }
-        if transmitted {
+        let specular = u_lobe < 2.0 * p_specular;
+        let through = if specular {
+            u_lobe >= p_specular
+        } else {
+            u_lobe >= 2.0 * p_specular + p_diffuse
+        };
+        if !specular && through {
             wi.z = -wi.z;
         }
-        let lobe = if transmitted {
+        if through == (wi.z >= 0.0) {
+            return None;
+        }
+        let lobe = if through {
             GLOSSY_TRANSMISSION
         } else {
             GLOSSY_REFLECTION

@@ -1,6 +1,8 @@
 //! Ward's anisotropic model in three variants, as Mitsuba 0.6 has it.
 
-use super::{GLOSSY_REFLECTION, Lobe, cosine_pdf, mean, sample_cosine, share, smooth_sample};
+use super::{
+    GLOSSY_REFLECTION, Lobe, conserving, cosine_pdf, mean, sample_cosine, share, smooth_sample,
+};
 use crate::bsdf::fresnel::reflect;
 use crate::bsdf::material::WardVariant;
 use crate::bsdf::microfacet::{MIN_ALPHA, sample_gaussian_half};
@@ -20,6 +22,7 @@ pub(in crate::bsdf) struct Ward {
 
 impl Ward {
     pub fn new(variant: WardVariant, diffuse: Rgb, specular: Rgb, alpha: Vec2) -> Self {
+        let (diffuse, specular) = conserving(diffuse, specular);
         Self {
             variant,
             diffuse,
