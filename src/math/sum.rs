@@ -50,7 +50,7 @@ impl SumUnit {
     #[inline]
     pub fn quanta(self, x: f32) -> u128 {
         const LIMIT: f64 = (1u128 << (FRACTION_BITS + CLAMP_BITS)) as f64;
-        // The cast truncates: half a quantum is added so that terms round to nearest.
+        // NaN passes through clamp and becomes 0 in the cast.
         (f64::from(x) * self.scale).clamp(0.0, LIMIT).round() as u128
     }
 
