@@ -1,6 +1,7 @@
 //! Mathematics that knows nothing of rendering's other rooms: vectors and colours, orthonormal frames,
 //! warps from the unit square, random numbers, and arithmetic that neither overflows nor loses digits.
 
+pub mod equal_area;
 pub mod frame;
 pub mod mis;
 pub mod offset;
@@ -8,6 +9,7 @@ pub mod rgb;
 pub mod rng;
 pub mod sampler;
 pub mod special;
+pub mod sum;
 pub mod warp;
 
 pub use frame::Frame;
