@@ -174,18 +174,33 @@ impl Texture {
     /// The value at a point.
     pub fn eval(&self, point: &SurfacePoint) -> Rgb {
         let _ = point;
-        unimplemented!()
+        match self {
+            Texture::Constant(c) => *c,
+            Texture::Checkerboard(c) => {
+                let uv = (c.to_uv.0.transform_point2(point.uv)).fract_gl();
+                let same = (uv.x > 0.5) == (uv.y > 0.5);
+                if same {
+                    c.color0.eval(point)
+                } else {
+                    c.color1.eval(point)
+                }
+            }
+            _ => unimplemented!(),
+        }
     }
 
     /// The value as one number: a grey image's value, a colour's luminance.
     pub fn eval_scalar(&self, point: &SurfacePoint) -> f32 {
-        let _ = point;
-        unimplemented!()
+        crate::math::luminance(self.eval(point))
     }
 
     /// The mean value over the whole texture, for light selection and sampling weights.
     pub fn mean(&self) -> Rgb {
-        unimplemented!()
+        match self {
+            Texture::Constant(c) => *c,
+            Texture::Checkerboard(c) => (c.color0.mean() + c.color1.mean()) * 0.5,
+            _ => unimplemented!(),
+        }
     }
 
     /// The value, if it is the same everywhere.
