@@ -354,7 +354,7 @@ def exact():
     rows = 8
     for j in range(rows + 1):
         t = j / rows
-        half = 0.09 * math.sin(math.pi * t) ** 0.8
+        half = 0.004 + 0.086 * math.sin(math.pi * t)
         for s in (-1, 0, 1):
             leaf.add((s * half, 0.5 * t, 0.12 * t * t + 0.04 * abs(s) * math.sin(math.pi * t)), ((s + 1) / 2, t))
     for j in range(rows):
