@@ -6,7 +6,6 @@ use super::resolved;
 use crate::bsdf::material::Distribution;
 use crate::bsdf::perturb::{Perturbation, bumped_normal};
 use crate::bsdf::plain::Form;
-use crate::bsdf::plain::Form;
 use crate::bsdf::tree::Node;
 use crate::bsdf::{Materials, Transport};
 use crate::math::{Frame, Rgb, Vec2, Vec3};
