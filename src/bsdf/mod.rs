@@ -9,6 +9,7 @@
 //! path came from, `wi` towards where it goes on. `eval` includes the factor |cos theta_i|.
 
 use crate::math::{Frame, Rgb, Vec2, Vec3};
+use lobes::weighted;
 use tree::Tree;
 
 /// Index of a [`Material`] in [`Materials`].
@@ -151,14 +152,12 @@ impl Bsdf {
         let local = self
             .tree
             .sample(self.tree.root(), o, u_lobe, u, transport)?;
-        let mut s = BsdfSample {
-            wi: self.frame.to_world(local.wi),
-            ..local
-        };
-        if transport == Transport::Importance {
-            s.weight *= self.correction(wo, s.wi);
+        let wi = self.frame.to_world(local.wi);
+        if transport == Transport::Radiance {
+            return Some(BsdfSample { wi, ..local });
         }
-        Some(s)
+        let weight = local.weight * self.correction(wo, wi);
+        weighted(wi, weight, local.pdf, local.eta, local.lobe)
     }
 
     #[inline]
@@ -175,7 +174,8 @@ impl Bsdf {
 
     /// Smallest roughness alpha among the smooth lobes: 1 for diffuse, 0 if there is none. Decides what guiding may touch.
     pub fn roughness(&self) -> f32 {
-        self.tree.roughness(self.tree.root()).unwrap_or(0.0)
+        let alpha = self.tree.roughness(self.tree.root());
+        alpha.unwrap_or(0.0).min(1.0)
     }
 }
 
