@@ -72,6 +72,7 @@ pub struct BsdfSample {
 mod fresnel;
 mod layer;
 mod lobes;
+mod lookup;
 pub mod material;
 mod materials;
 mod microfacet;

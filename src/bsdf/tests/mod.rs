@@ -8,6 +8,7 @@ use crate::texture::SurfacePoint;
 mod densities;
 mod energy;
 mod extremes;
+mod limits;
 mod mitsuba;
 mod models;
 mod statistics;
