@@ -16,13 +16,13 @@ mod backend;
 pub mod embree;
 mod error;
 mod mask;
+pub mod obvhs;
 pub mod shape;
 mod world;
 
 pub use backend::{Backend, build, prepare_thread};
 pub use error::AccelError;
 pub use shape::{ExactKind, ExactShape};
-use world::{check, world_bounds};
 
 #[cfg(test)]
 mod tests;
@@ -53,6 +53,15 @@ impl Ray {
             dir,
             tmax: f32::INFINITY,
         }
+    }
+
+    /// Whether the ray can be traced at all: finite, and with a range that is not empty. Every other
+    /// ray meets nothing.
+    #[inline]
+    pub fn is_traceable(&self) -> bool {
+        // x * 0 is 0 for every finite x and NaN otherwise; a NaN bound fails the comparison.
+        let sum = self.org * 0.0 + self.dir * 0.0;
+        (sum.x + sum.y + sum.z == 0.0) & (self.tmin <= self.tmax) & (self.tmax >= 0.0)
     }
 
     /// The point at distance `t`.

@@ -17,9 +17,8 @@ mod packet;
 mod sys;
 mod thread;
 
-use super::{
-    AccelError, Bounds, BuildSettings, Hit, Opacity, Ray, RayQuery, World, check, world_bounds,
-};
+use super::world::{check, world_bounds};
+use super::{AccelError, Bounds, BuildSettings, Hit, Opacity, Ray, RayQuery, World};
 use device::Device;
 use geometry::Scenes;
 use std::sync::Arc;

@@ -9,15 +9,6 @@ use crate::accel::{Hit, Ray};
 /// Rays in a packet.
 pub const WIDTH: usize = 16;
 
-/// Whether a ray can be traced at all: finite, and with a range that is not empty.
-///
-/// `x * 0` is 0 for every finite `x` and NaN otherwise; a NaN bound fails the comparison.
-#[inline]
-pub fn is_traceable(ray: &Ray) -> bool {
-    let sum = ray.org * 0.0 + ray.dir * 0.0;
-    (sum.x + sum.y + sum.z == 0.0) & (ray.tmin <= ray.tmax) & (ray.tmax >= 0.0)
-}
-
 /// A packet whose unused fields are set, once for a batch.
 pub fn new_rays() -> RTCRay16 {
     RTCRay16 {
@@ -67,7 +58,7 @@ pub fn load(rays: &[Ray], packet: &mut RTCRay16, valid: &mut Lanes) {
         packet.dir_y[lane] = ray.dir.y;
         packet.dir_z[lane] = ray.dir.z;
         packet.tfar[lane] = ray.tmax;
-        valid.0[lane] = -i32::from(is_traceable(ray));
+        valid.0[lane] = -i32::from(ray.is_traceable());
     }
 }
 

@@ -87,3 +87,55 @@ fn ray_bounds_are_kept() {
     }
     check_world(&world, &rays, 2e-6);
 }
+
+#[test]
+fn shapes_and_instances_are_met_as_brute_force_meets_them() {
+    check_world(&mixed_world(), &rays(100_000, 3.0, 11), 2e-5);
+}
+
+#[test]
+fn every_quality_finds_the_same() {
+    let world = mixed_world();
+    let rays = rays(20_000, 3.0, 12);
+    let trace = |settings| {
+        backends(&world, settings, None)
+            .into_iter()
+            .map(|tracer| {
+                let mut hits = vec![Hit::NONE; rays.len()];
+                tracer.intersect_batch(&rays, &mut hits);
+                (tracer.name(), tracer.memory_bytes(), hits)
+            })
+            .collect::<Vec<_>>()
+    };
+    let reference = trace(robust());
+    for quality in [BuildQuality::Fast, BuildQuality::High] {
+        for compact in [false, true] {
+            let settings = BuildSettings {
+                quality,
+                compact,
+                ..robust()
+            };
+            for ((name, bytes, hits), reference) in trace(settings).iter().zip(&reference) {
+                assert!(*bytes > 0, "{name} holds nothing");
+                let other = |(a, b): (&Hit, &Hit)| a.shape != b.shape || a.prim != b.prim;
+                let differ = hits.iter().zip(&reference.2).filter(|&p| other(p)).count();
+                assert!(differ <= 4, "{name} {settings:?}: {differ} hits differ");
+            }
+        }
+    }
+}
+
+#[test]
+fn bounds_hold_every_hit() {
+    let world = mixed_world();
+    let rays = rays(20_000, 3.0, 13);
+    for tracer in backends(&world, robust(), None) {
+        let b = tracer.bounds();
+        for ray in &rays {
+            let hit = tracer.intersect(ray);
+            let p = ray.at(hit.t);
+            let inside = p.cmpge(b.min - 1e-4).all() && p.cmple(b.max + 1e-4).all();
+            assert!(!hit.is_some() || inside, "{p} is outside {b:?}");
+        }
+    }
+}
