@@ -6,13 +6,14 @@
 //! | `device` | devices and scenes as values that release themselves; errors as words; bytes counted |
 //! | `geometry` | from a [`World`] to Embree's scenes, vertices shared without a copy |
 //! | `callbacks` | exact shapes and masks |
-//! | `packet` | rays by sixteens |
+//! | `packet`, `single` | rays by sixteens, and one by one |
 //! | `thread` | what Embree wants of a thread that traces |
 
 mod callbacks;
 mod device;
 mod geometry;
 mod packet;
+mod single;
 #[allow(clippy::upper_case_acronyms)]
 mod sys;
 mod thread;
@@ -62,15 +63,27 @@ impl Embree {
 
 impl RayQuery for Embree {
     fn intersect(&self, ray: &Ray) -> Hit {
-        let mut hit = [Hit::NONE];
-        self.intersect_batch(std::slice::from_ref(ray), &mut hit);
-        hit[0]
+        if !ray.is_traceable() {
+            return Hit::NONE;
+        }
+        let mut context = QueryContext::new();
+        context.set_rays(std::slice::from_ref(ray));
+        let mut query = single::with_hit(ray);
+        // SAFETY: the scene is committed, the query initialised, and the context names its ray.
+        unsafe { intersect1(self.scenes.world.raw(), &mut context, &mut query) };
+        single::hit(&query, &self.scenes.numbers)
     }
 
     fn occluded(&self, ray: &Ray) -> bool {
-        let mut blocked = [false];
-        self.occluded_batch(std::slice::from_ref(ray), &mut blocked);
-        blocked[0]
+        if !ray.is_traceable() {
+            return false;
+        }
+        let mut context = QueryContext::new();
+        context.set_rays(std::slice::from_ref(ray));
+        let mut query = single::ray(ray);
+        // SAFETY: the scene is committed, the query initialised, and the context names its ray.
+        unsafe { occluded1(self.scenes.world.raw(), &mut context, &mut query) };
+        query.tfar == f32::NEG_INFINITY
     }
 
     fn intersect_batch(&self, rays: &[Ray], hits: &mut [Hit]) {
