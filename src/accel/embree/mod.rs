@@ -18,7 +18,7 @@ mod single;
 mod sys;
 mod thread;
 
-use super::world::{check, world_bounds};
+use super::world::{check, overflow_factor, world_bounds};
 use super::{AccelError, Bounds, BuildSettings, Hit, Opacity, Ray, RayQuery, World};
 use device::Device;
 use geometry::Scenes;
@@ -33,6 +33,7 @@ pub struct Embree {
     scenes: Scenes,
     device: Device,
     bounds: Bounds,
+    overflow: f32,
     settings: BuildSettings,
 }
 
@@ -56,6 +57,7 @@ impl Embree {
             scenes,
             device,
             bounds: world_bounds(&world),
+            overflow: overflow_factor(&world),
             settings,
         })
     }
@@ -63,7 +65,7 @@ impl Embree {
 
 impl RayQuery for Embree {
     fn intersect(&self, ray: &Ray) -> Hit {
-        if !ray.is_traceable() {
+        if !ray.is_traceable_within(self.overflow) {
             return Hit::NONE;
         }
         let mut context = QueryContext::new();
@@ -75,7 +77,7 @@ impl RayQuery for Embree {
     }
 
     fn occluded(&self, ray: &Ray) -> bool {
-        if !ray.is_traceable() {
+        if !ray.is_traceable_within(self.overflow) {
             return false;
         }
         let mut context = QueryContext::new();
@@ -98,7 +100,7 @@ impl RayQuery for Embree {
             .chunks(packet::WIDTH)
             .zip(hits.chunks_mut(packet::WIDTH))
         {
-            packet::load(rays, &mut packet.ray, &mut valid);
+            packet::load(rays, self.overflow, &mut packet.ray, &mut valid);
             packet.hit.geomID = [INVALID_ID; packet::WIDTH];
             context.set_rays(rays);
             // SAFETY: the scene is committed, the packet initialised, and the context names its rays.
@@ -116,7 +118,7 @@ impl RayQuery for Embree {
             .chunks(packet::WIDTH)
             .zip(blocked.chunks_mut(packet::WIDTH))
         {
-            packet::load(rays, &mut packet, &mut valid);
+            packet::load(rays, self.overflow, &mut packet, &mut valid);
             context.set_rays(rays);
             // SAFETY: the scene is committed, the packet initialised, and the context names its rays.
             unsafe { occluded16(scene, &mut context, &valid, &mut packet) };

@@ -2,7 +2,9 @@
 
 use super::walk::{BoxRay, Next, walk};
 use super::woop::ShearedRay;
-use crate::accel::{BuildQuality, BuildSettings, ExactShape, Geometry, Shape, TriangleMesh};
+use crate::accel::{
+    BuildQuality, BuildSettings, ExactShape, Geometry, LARGEST, Shape, TriangleMesh,
+};
 use crate::math::{Vec3, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
@@ -12,9 +14,6 @@ use obvhs::ploc::PlocBuilder;
 use obvhs::splits::split_aabbs_preset;
 use obvhs::triangle::Triangle;
 use std::sync::Arc;
-
-/// Coordinates beyond this are left out, as Embree leaves them out: their squares overflow.
-const LARGEST: f32 = 1.844e18;
 
 /// What a leaf holds.
 #[derive(Clone, Copy, Debug)]

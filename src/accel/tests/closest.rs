@@ -14,12 +14,12 @@ fn agree(hit: &Hit, found: &[Candidate], tolerance: f64) -> Result<(), String> {
             None => Ok(()),
         };
     }
-    let near = |a: f64, b: f64| (a - b).abs() <= tolerance * (1.0 + a.abs());
+    let near = |c: &Candidate, t: f64| (c.t - t).abs() <= tolerance * c.slope * (1.0 + t.abs());
     let same = found.iter().find(|c| {
         c.shape == hit.shape
             && c.prim == hit.prim
             && c.instance == hit.instance
-            && near(c.t, f64::from(hit.t))
+            && near(c, f64::from(hit.t))
     });
     let Some(same) = same else {
         return Err(format!("{hit:?} is not among {found:?}"));
@@ -27,14 +27,14 @@ fn agree(hit: &Hit, found: &[Candidate], tolerance: f64) -> Result<(), String> {
     if let Some(nearer) = found
         .iter()
         .filter(clear)
-        .find(|c| !near(c.t, same.t) && c.t < same.t)
+        .find(|c| !near(c, same.t) && !near(same, c.t) && c.t < same.t)
     {
         return Err(format!("{hit:?} is behind {nearer:?}"));
     }
     let wrapped = |d: f64| d.abs().min((1.0 - d.abs()).abs());
     let du = wrapped(same.u - f64::from(hit.u));
     let dv = wrapped(same.v - f64::from(hit.v));
-    if du > 100.0 * tolerance || dv > 100.0 * tolerance {
+    if du.max(dv) > 100.0 * tolerance * same.slope {
         return Err(format!("{hit:?} has other coordinates than {same:?}"));
     }
     Ok(())

@@ -112,6 +112,8 @@ fn rays_that_are_none_are_misses() {
         with(|r| r.dir.z = f32::NAN),
         with(|r| r.dir.x = f32::NEG_INFINITY),
         with(|r| r.dir = Vec3::ZERO),
+        with(|r| r.org.z = 1e38),
+        with(|r| r.org.x = -2e18),
         with(|r| r.tmin = f32::NAN),
         with(|r| r.tmax = f32::NAN),
         with(|r| (r.tmin, r.tmax) = (6.0, 4.0)),
