@@ -10,3 +10,4 @@ mod closed_form;
 mod density;
 mod emitting;
 mod scenes;
+mod sky;
