@@ -115,7 +115,7 @@ impl Caps {
             let above = (t + r).clamp(0.0, 2.0 * r);
             match product {
                 Product::None => 1.0,
-                Product::Horizon => above / (2.0 * r),
+                Product::Horizon => (above / r).min(1.0),
                 Product::Cosine => above * above / (4.0 * r) + (t - r).max(0.0),
             }
         })

@@ -114,6 +114,11 @@ impl Trainer {
         let (space, links) = (&self.space, &self.product.links);
         let regions = |l: u32| super::train::region(space, &links[l as usize]);
         self.stats.refit(&regions, &self.table);
+        self.divide()
+    }
+
+    /// The splits of a round, without refitting models.
+    pub(crate) fn divide(&mut self) -> Refined {
         let mut candidates = self.candidates();
         candidates
             .sort_unstable_by(|a, b| b.per_byte.total_cmp(&a.per_byte).then(a.name.cmp(&b.name)));
@@ -184,7 +189,7 @@ impl Trainer {
             return None;
         }
         let n = sum * sum / tally.squares as f64;
-        if n < f64::from(self.settings.min_photons) {
+        if n < f64::from(self.settings.min_photons.max(self.traits.split_records)) {
             return None;
         }
         let z = f64::from(self.settings.significance);

@@ -3,6 +3,7 @@
 use super::links::{Link, Product, Split};
 use super::model::{Batch, Region, StatSet, Traits};
 use super::record::{Deposit, Dropped, Intake, PathSample, Photon, SurfacePoint, batch_unit};
+use super::refine::Refined;
 use super::settings::{GuideError, Settings, Source};
 use super::space::{Grid, Space};
 use super::tally::{Table, Tally, apportion};
@@ -123,7 +124,7 @@ impl Trainer {
         for chunk in photons.chunks(CHUNK) {
             let intake = self.intake(unit);
             let deposits: Vec<_> = chunk.par_iter().map(|p| intake.photon(p)).collect();
-            self.intakes.photons += self.deposit(deposits, unit, false);
+            self.intakes.photons += self.deposit(deposits, unit, false, None);
         }
     }
 
@@ -148,7 +149,43 @@ impl Trainer {
                     self.intakes.paths += 1;
                 }
             }
-            self.deposit(deposits, unit, true);
+            self.deposit(deposits, unit, true, None);
+        }
+    }
+
+    /// *Refine* in several rounds over the batch that was just trained: links that a round makes see
+    /// the batch again, so that they can be divided in their turn. The photons are not counted twice;
+    /// they only tell the new links how their share is spread. At most `rounds` rounds.
+    pub fn refine_with(&mut self, photons: &[Photon], rounds: u32) -> Refined {
+        let mut sum = self.refine();
+        for _ in 1..rounds {
+            if sum.space + sum.direction == 0 || sum.refused > 0 {
+                break;
+            }
+            self.show_again(photons);
+            let round = self.divide();
+            sum.refused = round.refused;
+            sum.gain += round.gain;
+            if round.space + round.direction == 0 {
+                break;
+            }
+            sum.space += round.space;
+            sum.direction += round.direction;
+        }
+        // What stays undivided also starts with a filled table.
+        self.show_again(photons);
+        sum
+    }
+
+    fn show_again(&mut self, photons: &[Photon]) {
+        let Some(unit) = self.photon_unit else {
+            return;
+        };
+        let fresh: Vec<bool> = self.tallies.iter().map(|t| t.squares == 0).collect();
+        for chunk in photons.chunks(CHUNK) {
+            let intake = self.intake(unit);
+            let deposits: Vec<_> = chunk.par_iter().map(|p| intake.photon(p)).collect();
+            self.deposit(deposits, unit, false, Some(&fresh));
         }
     }
 
@@ -166,11 +203,13 @@ impl Trainer {
         deposits: Vec<Result<Deposit, Dropped>>,
         unit: SumUnit,
         from_paths: bool,
+        again: Option<&[bool]>,
     ) -> u64 {
         let mut usable = Vec::with_capacity(deposits.len());
         for d in deposits {
             match d {
                 Ok(d) => usable.push(d),
+                Err(_) if again.is_some() => {}
                 Err(Dropped::NonFinite) => self.intakes.dropped_non_finite += 1,
                 Err(Dropped::BadDirection) => self.intakes.dropped_direction += 1,
                 Err(Dropped::Dark) => {}
@@ -194,6 +233,7 @@ impl Trainer {
             unit,
             from_paths,
             shapes: from_paths == (self.settings.source == Source::Paths),
+            again,
         };
         self.stats
             .accumulate(&batch, &order, &mut self.tallies, &mut self.table);

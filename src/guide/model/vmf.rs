@@ -20,6 +20,11 @@ use std::f32::consts::PI;
 const LOBES: usize = 8;
 /// How much of the statistics of earlier batches a refit keeps.
 const MEMORY: f64 = 0.5;
+/// Weight of new records, in units, below which a refit waits for more.
+const ENOUGH: f64 = 128.0;
+/// A cell of eight lobes with parallax explains a lot of space: dividing it earlier starves the lobes
+/// (measured: see the guide's page; OpenPGL waits for 32 000).
+const SPLIT_RECORDS: u32 = 16_000;
 /// Concentration limits: nearly uniform, and a lobe of 0.2 degrees.
 const MIN_KAPPA: f64 = 1e-2;
 const MAX_KAPPA: f64 = 1e5;
@@ -159,6 +164,7 @@ impl LocalModel for Vmf {
     const BASE_LEVEL: u8 = 0;
     const TABLE_LEVELS: u8 = 2;
     const SPLITS_DIRECTIONS: bool = false;
+    const SPLIT_RECORDS: u32 = SPLIT_RECORDS;
     type Stats = VmfStats;
     type Frozen = Mixture;
 
@@ -174,6 +180,8 @@ impl LocalModel for Vmf {
         };
         let toward = d.direction + (d.position - region.centre) * inverse;
         let w = toward.normalize_or(d.direction);
+        // The distance from the centre, not from where the record lies.
+        let inverse = inverse / toward.length().max(1e-6);
         let mut responsibility = [0f32; LOBES];
         let mut total = 0f32;
         for (r, l) in responsibility.iter_mut().zip(&stats.lobes) {
@@ -203,7 +211,8 @@ impl LocalModel for Vmf {
             stats.fit();
             return;
         }
-        if stats.fresh.iter().all(|f| f[0] == 0) {
+        let fresh: f64 = stats.fresh.iter().map(|f| f[0] as f64).sum();
+        if fresh < ENOUGH * QUANTA {
             return;
         }
         for (s, f) in stats.sums.iter_mut().zip(&mut stats.fresh) {
@@ -219,10 +228,11 @@ impl LocalModel for Vmf {
         let mut child = VmfStats::default();
         for ((s, p), l) in child.sums.iter_mut().zip(&parent.sums).zip(&parent.lobes) {
             let mean = reaim(l, from.centre, to.centre).as_dvec3();
+            let moved = (l.mean + (from.centre - to.centre) * l.inverse_distance).length();
             *s = Sums {
                 weight: p.weight / 8.0,
                 direction: mean * (p.direction.length() / 8.0),
-                inverse_distance: p.inverse_distance / 8.0,
+                inverse_distance: p.inverse_distance / 8.0 / f64::from(moved.max(1e-6)),
             };
         }
         child.fit();
