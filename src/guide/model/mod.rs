@@ -8,6 +8,7 @@
 //! A new model is a file with an implementation of [`LocalModel`] and one line in [`local_models!`].
 
 mod constant;
+mod lobe;
 mod vmf;
 
 pub(crate) use constant::Constant;
