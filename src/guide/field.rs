@@ -64,9 +64,9 @@ pub struct Field {
     /// Per cell: all groups' red, then green, then blue.
     pub(crate) cell_flux: Vec<f32>,
     pub(crate) cell_entry: Vec<Entry>,
-    pub(crate) next: Vec<u32>,
-    /// Per list: groups + 1 slots.
-    pub(crate) starts: Vec<u32>,
+    /// Per list: the next list up the path, where each group's bucket starts, the end: in one place,
+    /// because a query needs both at once.
+    pub(crate) lists: Vec<u32>,
     /// Running sums before each slot's link.
     pub(crate) prefix: Vec<Vec3>,
     /// Each slot's direction cell: start code above, level in the low bits.
@@ -133,8 +133,7 @@ impl Field {
             cell_key: Vec::new(),
             cell_flux: Vec::new(),
             cell_entry: Vec::new(),
-            next: Vec::new(),
-            starts: Vec::new(),
+            lists: Vec::new(),
             prefix: Vec::new(),
             cells_q: Vec::new(),
             model_of: Vec::new(),
@@ -160,9 +159,21 @@ impl Field {
         cell as u32 | 0x8000_0000
     }
 
+    #[inline]
     pub(crate) fn bucket(&self, list: u32, group: usize) -> std::ops::Range<usize> {
-        let at = list as usize * (self.groups + 1) + group;
-        self.starts[at] as usize..self.starts[at + 1] as usize
+        let at = list as usize * (self.groups + 2) + 1 + group;
+        let ends = &self.lists[at..at + 2];
+        ends[0] as usize..ends[1] as usize
+    }
+
+    /// The next list up the path.
+    #[inline]
+    pub(crate) fn next(&self, list: u32) -> u32 {
+        self.lists[list as usize * (self.groups + 2)]
+    }
+
+    pub(crate) fn chain(&mut self, list: u32, next: u32) {
+        self.lists[list as usize * (self.groups + 2)] = next;
     }
 
     pub(crate) fn bucket_total(&self, range: &std::ops::Range<usize>) -> Vec3 {
@@ -212,7 +223,7 @@ impl Field {
             + of(self.cell_list.len(), 12)
             + of(self.cell_flux.len(), 4)
             + of(self.cell_entry.len(), size_of::<Entry>())
-            + of(self.next.len() + self.starts.len() + self.model_of.len(), 4)
+            + of(self.lists.len() + self.model_of.len(), 4)
             + of(self.prefix.len(), 16)
             + of(self.nodes.len(), 4)
             + self.models.bytes() as u64

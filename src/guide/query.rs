@@ -170,7 +170,7 @@ impl<'f> LocalField<'f> {
                 buckets[count] = (range.start, range.end, sum);
                 count += 1;
             }
-            list = field.next[list as usize];
+            list = field.next(list);
         }
         let mut t = y * total;
         let mut chosen = None;
@@ -263,7 +263,7 @@ impl<'f> LocalField<'f> {
                     out.push((field.slot(slot).0, f * field.scale as f32));
                 }
             }
-            list = field.next[list as usize];
+            list = field.next(list);
         }
         out
     }

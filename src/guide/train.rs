@@ -11,7 +11,7 @@ use crate::math::sum::SumUnit;
 use rayon::prelude::*;
 
 /// Records taken at a time: bounds the scratch memory, changes no result.
-const CHUNK: usize = 1 << 20;
+const CHUNK: usize = 1 << 18;
 
 /// What came in so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
@@ -139,16 +139,7 @@ impl Trainer {
         for chunk in samples.chunks(CHUNK) {
             let intake = self.intake(unit);
             let deposits: Vec<_> = chunk.par_iter().map(|s| intake.path(s)).collect();
-            for (sample, deposit) in chunk.iter().zip(&deposits) {
-                if matches!(deposit, Ok(_) | Err(Dropped::Dark)) {
-                    let key = self.space.grid.key(sample.position, sample.normal);
-                    let leaf = self.space.leaf(key) as usize;
-                    let node = &mut self.space.nodes[leaf];
-                    let octant = self.space.grid.octant(key, node.level) as usize;
-                    node.visits[octant] += 1;
-                    self.intakes.paths += 1;
-                }
-            }
+            self.visit(chunk, &deposits);
             self.deposit(deposits, unit, true, None);
         }
     }
@@ -162,8 +153,8 @@ impl Trainer {
             if sum.space + sum.direction == 0 || sum.refused > 0 {
                 break;
             }
-            self.show_again(photons);
-            let round = self.divide();
+            let fresh = self.show_again(photons);
+            let round = self.divide(Some(&fresh));
             sum.refused = round.refused;
             sum.gain += round.gain;
             if round.space + round.direction == 0 {
@@ -177,15 +168,39 @@ impl Trainer {
         sum
     }
 
-    fn show_again(&mut self, photons: &[Photon]) {
-        let Some(unit) = self.photon_unit else {
-            return;
-        };
+    /// Fills the tables of links that have seen nothing yet; returns which they were.
+    fn show_again(&mut self, photons: &[Photon]) -> Vec<bool> {
         let fresh: Vec<bool> = self.tallies.iter().map(|t| t.squares == 0).collect();
+        let Some(unit) = self.photon_unit else {
+            return fresh;
+        };
         for chunk in photons.chunks(CHUNK) {
             let intake = self.intake(unit);
             let deposits: Vec<_> = chunk.par_iter().map(|p| intake.photon(p)).collect();
             self.deposit(deposits, unit, false, Some(&fresh));
+        }
+        fresh
+    }
+
+    /// Counts the vertices of usable samples in their cells of R.
+    fn visit(&mut self, samples: &[PathSample], deposits: &[Result<Deposit, Dropped>]) {
+        let space = &self.space;
+        let cells: Vec<Option<(u32, u32)>> = samples
+            .par_iter()
+            .zip(deposits)
+            .map(|(sample, deposit)| {
+                if !matches!(deposit, Ok(_) | Err(Dropped::Dark)) {
+                    return None;
+                }
+                let key = space.grid.key(sample.position, sample.normal);
+                let leaf = space.leaf(key);
+                let level = space.nodes[leaf as usize].level;
+                Some((leaf, space.grid.octant(key, level)))
+            })
+            .collect();
+        for (leaf, octant) in cells.into_iter().flatten() {
+            self.space.nodes[leaf as usize].visits[octant as usize] += 1;
+            self.intakes.paths += 1;
         }
     }
 

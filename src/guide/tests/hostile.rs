@@ -234,3 +234,11 @@ fn fractions_learn_which_strategy_pays() {
     again.update(&field, &records);
     assert_eq!(f, again);
 }
+
+#[test]
+fn fields_are_shared_between_threads() {
+    fn shared<T: Send + Sync + Clone>() {}
+    shared::<crate::guide::Field>();
+    shared::<Trainer>();
+    shared::<Fractions>();
+}
