@@ -116,12 +116,22 @@
 //!   radiance * cosine / pdf over the vertices in r: no area is needed, vertices are counted instead.
 //!   With [`Source::Both`] the two estimates are averaged where a cell has 32 vertices.
 //!
+//! # Beside the tree
+//!
+//! * [`Fractions`] learns for each cell of R how often to sample the field instead of the BSDF.
+//! * [`Trainer::save`] and [`Trainer::load`] keep sums, not densities, so that a field can be trained
+//!   further elsewhere; damaged and foreign files are refused with a reason.
+//! * [`Trainer::set_importance`] confines refinement to cells that camera paths met.
+//! * [`Field::random`] knows nothing: a renderer must draw the same mean with it.
+//! * [`Trainer::stats`] counts what there is.
+//!
 //! # Cost
 //!
 //! At 423 000 links, one thread of a shared two-core machine: [`Field::at`] 75 ns, then
 //! [`LocalField::pdf`] 90 ns and [`LocalField::sample`] 220 ns; training 0.4 microseconds a photon on
 //! two threads; 58 bytes a link frozen, 305 while training (of which R's look-up tables are a part).
 
+mod again;
 mod field;
 mod file;
 mod fraction;

@@ -3,7 +3,6 @@
 use super::links::{Link, Product, Split};
 use super::model::{Batch, Region, StatSet, Traits};
 use super::record::{Deposit, Dropped, Intake, PathSample, Photon, SurfacePoint, batch_unit};
-use super::refine::Refined;
 use super::settings::{GuideError, Settings, Source};
 use super::space::{Grid, Space};
 use super::tally::{Table, Tally, apportion};
@@ -11,7 +10,7 @@ use crate::math::sum::SumUnit;
 use rayon::prelude::*;
 
 /// Records taken at a time: bounds the scratch memory, changes no result.
-const CHUNK: usize = 1 << 18;
+pub(crate) const CHUNK: usize = 1 << 18;
 
 /// What came in so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
@@ -139,72 +138,34 @@ impl Trainer {
         for chunk in samples.chunks(CHUNK) {
             let intake = self.intake(unit);
             let deposits: Vec<_> = chunk.par_iter().map(|s| intake.path(s)).collect();
-            self.visit(chunk, &deposits);
+            for (leaf, octant) in self.visited(chunk, &deposits).into_iter().flatten() {
+                self.space.nodes[leaf as usize].visits[octant as usize] += 1;
+                self.intakes.paths += 1;
+            }
             self.deposit(deposits, unit, true, None);
         }
     }
 
-    /// *Refine* in several rounds over the batch that was just trained: links that a round makes see
-    /// the batch again, so that they can be divided in their turn. The photons are not counted twice;
-    /// they only tell the new links how their share is spread. At most `rounds` rounds.
-    pub fn refine_with(&mut self, photons: &[Photon], rounds: u32) -> Refined {
-        let mut sum = self.refine();
-        for _ in 1..rounds {
-            if sum.space + sum.direction == 0 || sum.refused > 0 {
-                break;
-            }
-            let fresh = self.show_again(photons);
-            let round = self.divide(Some(&fresh));
-            sum.refused = round.refused;
-            sum.gain += round.gain;
-            if round.space + round.direction == 0 {
-                break;
-            }
-            sum.space += round.space;
-            sum.direction += round.direction;
-        }
-        // What stays undivided also starts with a filled table.
-        self.show_again(photons);
-        sum
-    }
-
-    /// Fills the tables of links that have seen nothing yet; returns which they were.
-    fn show_again(&mut self, photons: &[Photon]) -> Vec<bool> {
-        let fresh: Vec<bool> = self.tallies.iter().map(|t| t.squares == 0).collect();
-        let Some(unit) = self.photon_unit else {
-            return fresh;
-        };
-        for chunk in photons.chunks(CHUNK) {
-            let intake = self.intake(unit);
-            let deposits: Vec<_> = chunk.par_iter().map(|p| intake.photon(p)).collect();
-            self.deposit(deposits, unit, false, Some(&fresh));
-        }
-        fresh
-    }
-
-    /// Counts the vertices of usable samples in their cells of R.
-    fn visit(&mut self, samples: &[PathSample], deposits: &[Result<Deposit, Dropped>]) {
+    /// Where each usable sample's vertex lies: leaf of R and octant.
+    pub(crate) fn visited(
+        &self,
+        samples: &[PathSample],
+        deposits: &[Result<Deposit, Dropped>],
+    ) -> Vec<Option<(u32, u32)>> {
         let space = &self.space;
-        let cells: Vec<Option<(u32, u32)>> = samples
-            .par_iter()
-            .zip(deposits)
-            .map(|(sample, deposit)| {
-                if !matches!(deposit, Ok(_) | Err(Dropped::Dark)) {
-                    return None;
-                }
-                let key = space.grid.key(sample.position, sample.normal);
-                let leaf = space.leaf(key);
-                let level = space.nodes[leaf as usize].level;
-                Some((leaf, space.grid.octant(key, level)))
-            })
-            .collect();
-        for (leaf, octant) in cells.into_iter().flatten() {
-            self.space.nodes[leaf as usize].visits[octant as usize] += 1;
-            self.intakes.paths += 1;
-        }
+        let place = |(sample, deposit): (&PathSample, &Result<Deposit, Dropped>)| {
+            if !matches!(deposit, Ok(_) | Err(Dropped::Dark)) {
+                return None;
+            }
+            let key = space.grid.key(sample.position, sample.normal);
+            let leaf = space.leaf(key);
+            let level = space.nodes[leaf as usize].level;
+            Some((leaf, space.grid.octant(key, level)))
+        };
+        samples.par_iter().zip(deposits).map(place).collect()
     }
 
-    fn intake(&self, unit: SumUnit) -> Intake<'_> {
+    pub(crate) fn intake(&self, unit: SumUnit) -> Intake<'_> {
         Intake {
             settings: &self.settings,
             grid: &self.space.grid,
@@ -213,7 +174,7 @@ impl Trainer {
     }
 
     /// Finds each record's link, sorts records by link and adds them up. Returns how many were used.
-    fn deposit(
+    pub(crate) fn deposit(
         &mut self,
         deposits: Vec<Result<Deposit, Dropped>>,
         unit: SumUnit,

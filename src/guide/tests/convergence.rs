@@ -1,7 +1,7 @@
 //! More photons, better field; until memory ends.
 
 use super::synthetic::{Patch, disk_light, square, unit_box};
-use crate::guide::{Field, ModelKind, Settings, Trainer};
+use crate::guide::{Field, ModelKind, PathSample, Settings, Source, Trainer};
 use crate::math::warp::concentric_disk;
 use crate::math::{Pcg32, Rgb, Vec3};
 
@@ -104,4 +104,51 @@ fn showing_a_batch_again_refines_deeper_without_counting_twice() {
     let count = |t: &Trainer| -> u64 { t.tallies.iter().map(|t| t.count).sum() };
     assert_eq!(count(&again), 2000 * 63);
     assert_eq!(again.intakes().photons, 2000 * 63);
+}
+
+/// Uniform directions from vertices that crowd at one side, of which few meet the lamp.
+#[test]
+fn camera_paths_alone_learn_the_light_too() {
+    let settings = Settings {
+        source: Source::Paths,
+        ..unit_box()
+    };
+    let mut t = Trainer::build(settings).unwrap();
+    let mut rng = Pcg32::new(3, 14);
+    let mut errors = Vec::new();
+    let mut vertices = 0;
+    for i in 0..6u32 {
+        let samples: Vec<PathSample> = (0..20_000usize << i)
+            .map(|_| {
+                let u = square(&mut rng);
+                let x = Vec3::new(u.x * u.x, u.y, 0.25);
+                let w = crate::math::warp::uniform_sphere(square(&mut rng));
+                let hit = x + w * ((LIGHT.z - x.z) / w.z);
+                let lit = w.z > 0.0 && hit.distance(LIGHT) < RADIUS;
+                PathSample {
+                    position: x,
+                    direction: w,
+                    radiance: if lit { Rgb::ONE } else { Rgb::ZERO },
+                    pdf: 0.25 / std::f32::consts::PI,
+                    distance: hit.distance(x),
+                    normal: Vec3::Z,
+                }
+            })
+            .collect();
+        vertices += samples.len() as u64;
+        t.train_paths(&samples);
+        t.refine_with_paths(&samples, 4);
+        assert_eq!(t.space.visits(0), vertices);
+        errors.push(divergence(&t.freeze()));
+    }
+    // 1.3 million directions, of which 5 in 1000 meet the lamp.
+    assert!(
+        errors[5] < errors[2] - 0.3 && errors[2] < errors[0],
+        "{errors:?}"
+    );
+    let field = t.freeze();
+    let x = Vec3::new(0.3, 0.6, 0.25);
+    let learned = f64::from(field.at(x, None, Rgb::ONE).irradiance().x);
+    let truth = irradiance(x, &mut rng);
+    assert!((learned / truth - 1.0).abs() < 0.2, "{learned} {truth}");
 }
