@@ -209,6 +209,7 @@ impl Field {
     /// The distribution of light at a point.
     ///
     /// `normal` (unit), where given, keeps samples above its horizon as [`Settings::product`] says.
+    /// A field split by normals needs it to find the right cell.
     /// `throughput` weights the colours: light that the path's throughput would absorb is not looked
     /// for; pass white when unsure. Neither changes which directions are possible, only how likely.
     #[inline]
