@@ -80,10 +80,10 @@ impl Ray {
 
 /// Coordinates (of rays and of geometry) must stay below this, 2^60: their squares would overflow.
 /// Geometry beyond is not found, rays from beyond meet nothing.
-pub const LARGEST: f32 = 1.152_921_5e18;
+pub const LARGEST: f32 = (1u64 << 60) as f32;
 
 /// 2^68: what reaches [`LARGEST`] times this is infinite.
-pub(crate) const OVERFLOW: f32 = 2.951_479_1e20;
+pub(crate) const OVERFLOW: f32 = (1u128 << 68) as f32;
 
 /// [`Hit::shape`] of a ray that met nothing.
 pub const MISS: u32 = u32::MAX;

@@ -3,10 +3,12 @@
 //!
 //! | file | idea |
 //! |---|---|
+//! | `plan` | from geometry to boxes, and from boxes to a tree |
 //! | `tree` | one tree over all that stands in one space |
 //! | `walk` | which leaves a ray meets, without losing one to rounding |
 //! | `woop` | a ray and a triangle, watertight |
 
+mod plan;
 mod tree;
 mod walk;
 mod woop;

@@ -1,19 +1,12 @@
 //! One tree over everything that stands in one space: triangles of all meshes, exact shapes, instances.
 
+use super::plan::{Built, Plan, params};
 use super::walk::{BoxRay, Next, walk};
 use super::woop::ShearedRay;
-use crate::accel::{
-    BuildQuality, BuildSettings, ExactShape, Geometry, LARGEST, Shape, TriangleMesh,
-};
-use crate::math::{Vec3, Vec3A};
-use obvhs::BvhBuildParams;
+use crate::accel::{BuildSettings, Geometry, Shape};
+use crate::math::Vec3;
 use obvhs::aabb::Aabb;
-use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
-use obvhs::cwbvh::{CwBvh, bvh2_to_cwbvh::bvh2_to_cwbvh};
-use obvhs::ploc::PlocBuilder;
-use obvhs::splits::split_aabbs_preset;
-use obvhs::triangle::Triangle;
-use std::sync::Arc;
+use obvhs::cwbvh::CwBvh;
 
 /// What a leaf holds.
 #[derive(Clone, Copy, Debug)]
@@ -32,6 +25,13 @@ pub enum Item {
     },
     /// An instance, by its index in the world.
     Instance(u32),
+    /// Several items that share one box: so many from there on in the tree's list of bundled ones.
+    Bundle {
+        /// The first.
+        start: u32,
+        /// How many.
+        count: u32,
+    },
 }
 
 /// A geometry of the tree.
@@ -47,6 +47,7 @@ pub struct Part {
 pub struct Tree {
     bvh: CwBvh,
     items: Vec<Item>,
+    bundled: Vec<Item>,
     /// The corners of each leaf's triangle, beside each other; empty for compact trees, which look
     /// them up in the mesh.
     corners: Vec<[Vec3; 3]>,
@@ -120,7 +121,11 @@ impl Tree {
         for (index, bounds) in instances {
             plan.add(Item::Instance(index), bounds);
         }
-        let (bvh, items) = plan.build(&params);
+        let Built {
+            bvh,
+            items,
+            bundled,
+        } = plan.build(&params);
         let corners = if settings.compact {
             Vec::new()
         } else {
@@ -129,6 +134,7 @@ impl Tree {
         Self {
             bvh,
             items,
+            bundled,
             corners,
             parts,
         }
@@ -141,23 +147,50 @@ impl Tree {
         let sheared = ShearedRay::new(ray.org, ray.dir);
         let mut limit = limit;
         walk(&self.bvh, &boxes, limit, |leaf| {
-            let Some(what) = self.meet(leaf as usize, ray, &sheared, limit) else {
-                return Next::Within(limit);
-            };
-            let next = found(what, limit);
-            if let Next::Within(new) = next {
-                limit = new;
-            }
+            let mut next = Next::Within(limit);
+            let leaf = leaf as usize;
+            self.each_item(leaf, |item, corners| {
+                if let Some(what) = self.meet(item, corners, ray, &sheared, limit) {
+                    next = found(what, limit);
+                }
+                match next {
+                    Next::Within(new) => {
+                        limit = new;
+                        true
+                    }
+                    Next::Stop => false,
+                }
+            });
             next
         });
     }
 
-    #[inline]
-    fn meet(&self, leaf: usize, ray: &LocalRay, sheared: &ShearedRay, limit: f32) -> Option<Found> {
-        let item = self.items[leaf];
+    /// Calls `visit` for the item of a leaf, or for those of its bundle until it says no.
+    #[inline(always)]
+    fn each_item(&self, leaf: usize, mut visit: impl FnMut(Item, Option<&[Vec3; 3]>) -> bool) {
+        let Item::Bundle { start, count } = self.items[leaf] else {
+            visit(self.items[leaf], self.corners.get(leaf));
+            return;
+        };
+        for item in &self.bundled[start as usize..][..count as usize] {
+            if !visit(*item, None) {
+                return;
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn meet(
+        &self,
+        item: Item,
+        corners: Option<&[Vec3; 3]>,
+        ray: &LocalRay,
+        sheared: &ShearedRay,
+        limit: f32,
+    ) -> Option<Found> {
         let ((t, u, v), part, prim) = match item {
             Item::Triangle { part, prim } => {
-                let corners = match self.corners.get(leaf) {
+                let corners = match corners {
                     Some(corners) => *corners,
                     None => corners_of(&self.parts, item),
                 };
@@ -171,6 +204,7 @@ impl Tree {
                 (hit, part, 0)
             }
             Item::Instance(index) => return Some(Found::Instance(index)),
+            Item::Bundle { .. } => return None,
         };
         (t >= ray.tmin && t <= limit).then_some(Found::Surface(Meeting {
             t,
@@ -184,7 +218,7 @@ impl Tree {
     /// Bytes held, without the meshes.
     pub fn memory_bytes(&self) -> usize {
         self.bvh.nodes.capacity() * 80
-            + self.items.capacity() * std::mem::size_of::<Item>()
+            + (self.items.capacity() + self.bundled.capacity()) * std::mem::size_of::<Item>()
             + self.corners.capacity() * 36
     }
 
@@ -200,100 +234,6 @@ fn corners_of(parts: &[Part], item: Item) -> [Vec3; 3] {
             Shape::Triangles(mesh) => mesh.corners(prim),
             Shape::Exact(_) => [Vec3::ZERO; 3],
         },
-        Item::Exact { .. } | Item::Instance(_) => [Vec3::ZERO; 3],
-    }
-}
-
-/// obvhs's presets for our three qualities.
-fn params(quality: BuildQuality) -> BvhBuildParams {
-    match quality {
-        BuildQuality::Fast => BvhBuildParams::very_fast_build(),
-        BuildQuality::Balanced => BvhBuildParams::medium_build(),
-        BuildQuality::High => BvhBuildParams::slow_build(),
-    }
-}
-
-/// Boxes on their way into a tree. Box `i` belongs to item `indices[i]`: splitting a long triangle
-/// gives it several boxes.
-#[derive(Default)]
-struct Plan {
-    items: Vec<Item>,
-    boxes: Vec<Aabb>,
-    indices: Vec<u32>,
-    triangles: Vec<Triangle>,
-}
-
-impl Plan {
-    fn add(&mut self, item: Item, bounds: Aabb) {
-        let limit = Vec3A::splat(LARGEST);
-        // Comparisons that a NaN fails.
-        if !(bounds.min.cmpge(-limit).all() && bounds.max.cmple(limit).all()) {
-            return;
-        }
-        self.indices.push(self.items.len() as u32);
-        self.items.push(item);
-        self.boxes.push(bounds);
-    }
-
-    fn add_mesh(&mut self, mesh: &Arc<TriangleMesh>, part: u32) {
-        for prim in 0..mesh.triangles().len() as u32 {
-            let [v0, v1, v2] = mesh.corners(prim).map(Vec3A::from);
-            // min and max of a NaN and a number are the number: the corners are asked one by one.
-            if !(v0.is_finite() && v1.is_finite() && v2.is_finite()) {
-                continue;
-            }
-            let before = self.items.len();
-            let bounds = Aabb::from_points(&[v0, v1, v2]);
-            self.add(Item::Triangle { part, prim }, bounds);
-            if self.items.len() > before {
-                self.triangles.push(Triangle { v0, v1, v2 });
-            }
-        }
-    }
-
-    fn add_exact(&mut self, shape: &ExactShape, part: u32) {
-        let b = shape.bounds();
-        self.add(Item::Exact { part }, Aabb::new(b.min.into(), b.max.into()));
-    }
-
-    /// Splits the boxes of long triangles. Called while there are only triangles.
-    fn split(&mut self) {
-        let areas = self.boxes.iter().map(|b| f64::from(b.half_area()));
-        let mean = areas.clone().sum::<f64>() / self.boxes.len().max(1) as f64;
-        let largest = areas.fold(0.0, f64::max);
-        split_aabbs_preset(
-            &mut self.boxes,
-            &mut self.indices,
-            &self.triangles,
-            mean as f32,
-            largest as f32,
-        );
-        // The clipped corners are rounded: neighbours must not leave a gap between them.
-        for b in &mut self.boxes {
-            b.min -= b.min.abs() * (2.0 * f32::EPSILON);
-            b.max += b.max.abs() * (2.0 * f32::EPSILON);
-        }
-    }
-
-    fn build(self, params: &BvhBuildParams) -> (CwBvh, Vec<Item>) {
-        if self.boxes.is_empty() {
-            return (CwBvh::default(), Vec::new());
-        }
-        drop(self.triangles);
-        let split = self.boxes.len() > self.items.len();
-        let mut bvh2 = PlocBuilder::with_capacity(self.boxes.len()).build(
-            params.ploc_search_distance,
-            &self.boxes,
-            self.indices,
-            params.sort_precision,
-            params.search_depth_threshold,
-        );
-        bvh2.uses_spatial_splits = split;
-        ReinsertionOptimizer::default().run(&mut bvh2, params.reinsertion_batch_ratio, None);
-        // Three primitives are the most that a leaf of the compressed tree can hold.
-        let mut bvh = bvh2_to_cwbvh(&bvh2, params.max_prims_per_leaf.clamp(1, 3), true, false);
-        let order = std::mem::take(&mut bvh.primitive_indices);
-        let items = order.iter().map(|&i| self.items[i as usize]).collect();
-        (bvh, items)
+        _ => [Vec3::ZERO; 3],
     }
 }

@@ -119,7 +119,7 @@ fn triangle(ray: &Ray64, [a, b, c]: [DVec3; 3], slack: f64) -> Option<(f64, f64,
     let q = s.cross(e1);
     let v = ray.dir.dot(q) / det;
     let margin = u.min(v).min(1.0 - u - v);
-    let slope = e1.cross(e2).length() / det.abs();
+    let slope = e1.cross(e2).length() * ray.dir.length() / det.abs();
     (margin >= -slack).then(|| (e2.dot(q) / det, u, v, margin, slope))
 }
 

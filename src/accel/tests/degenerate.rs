@@ -80,7 +80,7 @@ fn many_triangles_in_one_place_are_one_hit() {
             quality,
             ..robust()
         };
-        for tracer in backends(&with_odd(&vec![one; 10_000]), settings, None) {
+        for tracer in backends(&with_odd(&vec![one; 100_000]), settings, None) {
             let hit = tracer.intersect(&DOWN);
             assert!((hit.t - 4.0).abs() < 1e-5, "{} {hit:?}", tracer.name());
             assert!(tracer.occluded(&DOWN));
