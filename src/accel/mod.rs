@@ -11,9 +11,21 @@
 use crate::math::{Affine3A, Vec3};
 use std::sync::Arc;
 
+mod backend;
+#[cfg(feature = "embree")]
+pub mod embree;
+mod error;
+mod mask;
 pub mod shape;
+mod world;
 
+pub use backend::{Backend, build, prepare_thread};
+pub use error::AccelError;
 pub use shape::{ExactKind, ExactShape};
+use world::{check, world_bounds};
+
+#[cfg(test)]
+mod tests;
 
 /// A ray: points `org + t * dir` for `t` in `[tmin, tmax]`. `dir` is of unit length.
 ///

@@ -1,7 +1,15 @@
 //! Cameras: from a place on the film and a place on the lens to a ray.
+//!
+//! A camera is set up and evaluated in `f64`, and only the finished ray is rounded: a telephoto lens
+//! far from the origin asks for directions that differ by less than `f32` arithmetic would keep.
+//! The conventions are Mitsuba 3's; `tests/vectors/camera.txt` holds rays it made, which the tests compare.
 
 use crate::accel::Ray;
-use crate::math::{DAffine3, Vec2};
+use crate::math::warp::concentric_disk;
+use crate::math::{DAffine3, DVec3, Vec2};
+
+#[cfg(test)]
+mod tests;
 
 /// Which extent of the film a field of view spans.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -63,7 +71,27 @@ pub struct CameraDescription {
 
 /// A camera for a film of a certain size.
 #[derive(Clone, Copy, Debug)]
-pub struct Camera {}
+pub struct Camera {
+    /// Camera space to world space.
+    to_world: DAffine3,
+    /// Camera-space x and y at depth 1 (on the film plane for parallel rays) of the film's upper left corner.
+    corner: [f64; 2],
+    /// Change of the same per pixel.
+    step: [f64; 2],
+    lens: Lens,
+    near: f64,
+    far: f64,
+    /// Width of a pixel at depth 1 (perspective) or anywhere (parallel rays), world units.
+    pixel_width: f64,
+}
+
+/// Where rays pass, beside the film.
+#[derive(Clone, Copy, Debug)]
+enum Lens {
+    Pinhole,
+    Thin { radius: f64, focus: f64 },
+    Parallel,
+}
 
 /// A ray from the camera.
 #[derive(Clone, Copy, Debug)]
@@ -79,13 +107,114 @@ pub struct CameraRay {
 impl Camera {
     /// Prepares a camera for a film `width` by `height` pixels.
     pub fn new(description: &CameraDescription, width: u32, height: u32) -> Self {
-        let _ = (description, width, height);
-        unimplemented!()
+        let (width, height) = (f64::from(width.max(1)), f64::from(height.max(1)));
+        let aspect = width / height;
+        let (half_width, shift, lens) = match description.projection {
+            Projection::Perspective {
+                fov_degrees,
+                fov_axis,
+                principal_point,
+            } => (
+                half_width(fov_degrees, fov_axis, aspect),
+                principal_point,
+                Lens::Pinhole,
+            ),
+            Projection::ThinLens {
+                fov_degrees,
+                fov_axis,
+                principal_point,
+                aperture_radius,
+                focus_distance,
+            } => (
+                half_width(fov_degrees, fov_axis, aspect),
+                principal_point,
+                Lens::Thin {
+                    radius: aperture_radius,
+                    focus: focus_distance,
+                },
+            ),
+            Projection::Orthographic => (1.0, [0.0; 2], Lens::Parallel),
+        };
+        let half = [half_width, half_width / aspect];
+        // Camera x points left and y up, the film's x right and y down: both run from + to -.
+        let step = [-2.0 * half[0] / width, -2.0 * half[1] / height];
+        let corner = [
+            half[0] * (1.0 - 2.0 * shift[0]),
+            half[1] * (1.0 - 2.0 * shift[1]),
+        ];
+        let axes = description.to_world.matrix3;
+        // The geometric mean of a pixel's two sides.
+        let side = match lens {
+            Lens::Parallel => (axes.x_axis.length() * axes.y_axis.length()).sqrt(),
+            _ => 1.0,
+        };
+        Self {
+            to_world: description.to_world,
+            corner,
+            step,
+            lens,
+            near: description.near_clip,
+            far: description.far_clip,
+            pixel_width: (step[0] * step[1]).sqrt() * side,
+        }
     }
 
     /// The ray through `film` (pixels from the upper left corner of the full film) and `lens` (unit square).
+    #[inline]
     pub fn ray(&self, film: Vec2, lens: Vec2) -> CameraRay {
-        let _ = (film, lens);
-        unimplemented!()
+        let x = self.corner[0] + self.step[0] * f64::from(film.x);
+        let y = self.corner[1] + self.step[1] * f64::from(film.y);
+        match self.lens {
+            Lens::Pinhole => self.finish(DVec3::ZERO, DVec3::new(x, y, 1.0)),
+            Lens::Thin { radius, focus } => {
+                let on_lens = concentric_disk(lens).as_dvec2() * radius;
+                let org = DVec3::new(on_lens.x, on_lens.y, 0.0);
+                // Scaled to depth 1, so that the clip planes stay multiples of the direction.
+                let dir = DVec3::new(x - on_lens.x / focus, y - on_lens.y / focus, 1.0);
+                self.finish(org, dir)
+            }
+            Lens::Parallel => self.finish(DVec3::new(x, y, 0.0), DVec3::Z),
+        }
+    }
+
+    /// Places a ray from `org` through `org + dir`, where `dir` spans a depth of 1, in the world.
+    #[inline]
+    fn finish(&self, org: DVec3, dir: DVec3) -> CameraRay {
+        let world_dir = self.to_world.transform_vector3(dir);
+        let length = world_dir.length();
+        let ray = Ray {
+            org: self.to_world.transform_point3(org).as_vec3(),
+            tmin: (self.near * length) as f32,
+            dir: (world_dir / length).as_vec3(),
+            tmax: (self.far * length) as f32,
+        };
+        if let Lens::Parallel = self.lens {
+            return CameraRay {
+                ray,
+                cone_width: self.pixel_width as f32,
+                cone_spread: 0.0,
+            };
+        }
+        // A pixel off the axis is farther away and seen at a slant: its solid angle shrinks with
+        // cos^3, so its width with cos^1.5.
+        let cos = 1.0 / dir.length();
+        CameraRay {
+            ray,
+            cone_width: 0.0,
+            cone_spread: (self.pixel_width * cos * cos.sqrt()) as f32,
+        }
+    }
+}
+
+/// Half the film's width at depth 1, for a field of view along `axis` and a film of this width over height.
+fn half_width(fov_degrees: f64, axis: FovAxis, aspect: f64) -> f64 {
+    let half = (fov_degrees.to_radians() * 0.5).tan();
+    match axis {
+        FovAxis::X => half,
+        FovAxis::Y => half * aspect,
+        FovAxis::Diagonal => half / (1.0 + 1.0 / (aspect * aspect)).sqrt(),
+        FovAxis::Smaller if aspect > 1.0 => half * aspect,
+        FovAxis::Larger if aspect < 1.0 => half * aspect,
+        FovAxis::Smaller | FovAxis::Larger => half,
     }
 }

@@ -174,18 +174,27 @@ impl Texture {
     /// The value at a point.
     pub fn eval(&self, point: &SurfacePoint) -> Rgb {
         let _ = point;
-        unimplemented!()
+        match self {
+            Texture::Constant(c) => *c,
+            _ => unimplemented!(),
+        }
     }
 
     /// The value as one number: a grey image's value, a colour's luminance.
     pub fn eval_scalar(&self, point: &SurfacePoint) -> f32 {
         let _ = point;
-        unimplemented!()
+        match self {
+            Texture::Constant(c) => crate::math::luminance(*c),
+            _ => unimplemented!(),
+        }
     }
 
     /// The mean value over the whole texture, for light selection and sampling weights.
     pub fn mean(&self) -> Rgb {
-        unimplemented!()
+        match self {
+            Texture::Constant(c) => *c,
+            _ => unimplemented!(),
+        }
     }
 
     /// The value, if it is the same everywhere.

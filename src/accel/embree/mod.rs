@@ -1,0 +1,132 @@
+//! Rays through Debian's Embree, version 4 or 3.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `sys` | Embree's API from its header, and where 3 and 4 differ |
+//! | `device` | devices and scenes as values that release themselves; errors as words; bytes counted |
+//! | `geometry` | from a [`World`] to Embree's scenes, vertices shared without a copy |
+//! | `callbacks` | exact shapes and masks |
+//! | `packet` | rays by sixteens |
+//! | `thread` | what Embree wants of a thread that traces |
+
+mod callbacks;
+mod device;
+mod geometry;
+mod packet;
+#[allow(clippy::upper_case_acronyms)]
+mod sys;
+mod thread;
+
+use super::{
+    AccelError, Bounds, BuildSettings, Hit, Opacity, Ray, RayQuery, World, check, world_bounds,
+};
+use device::Device;
+use geometry::Scenes;
+use std::sync::Arc;
+use sys::*;
+
+pub use thread::prepare_thread;
+
+/// Embree behind [`RayQuery`].
+pub struct Embree {
+    // Dropped before the device they were made with.
+    scenes: Scenes,
+    device: Device,
+    bounds: Bounds,
+    settings: BuildSettings,
+}
+
+impl Embree {
+    /// Builds the trees. Vertex buffers stay where they are, shared.
+    ///
+    /// `opacity` answers for geometry with `masked` set; without it all geometry is opaque.
+    ///
+    /// # Errors
+    /// An instance without its group or with a singular transformation; Embree's own errors, among
+    /// them out of memory.
+    pub fn build(
+        world: World,
+        settings: BuildSettings,
+        opacity: Option<Arc<dyn Opacity>>,
+    ) -> Result<Self, AccelError> {
+        check(&world)?;
+        let device = Device::new(settings.threads)?;
+        let scenes = geometry::build(&device, &world, &settings, opacity.as_ref())?;
+        Ok(Self {
+            scenes,
+            device,
+            bounds: world_bounds(&world),
+            settings,
+        })
+    }
+}
+
+impl RayQuery for Embree {
+    fn intersect(&self, ray: &Ray) -> Hit {
+        let mut hit = [Hit::NONE];
+        self.intersect_batch(std::slice::from_ref(ray), &mut hit);
+        hit[0]
+    }
+
+    fn occluded(&self, ray: &Ray) -> bool {
+        let mut blocked = [false];
+        self.occluded_batch(std::slice::from_ref(ray), &mut blocked);
+        blocked[0]
+    }
+
+    fn intersect_batch(&self, rays: &[Ray], hits: &mut [Hit]) {
+        let scene = self.scenes.world.raw();
+        let mut context = QueryContext::new();
+        let mut valid = Lanes([0; packet::WIDTH]);
+        let mut packet = RTCRayHit16 {
+            ray: packet::new_rays(),
+            hit: packet::new_hits(),
+        };
+        for (rays, hits) in rays
+            .chunks(packet::WIDTH)
+            .zip(hits.chunks_mut(packet::WIDTH))
+        {
+            packet::load(rays, &mut packet.ray, &mut valid);
+            packet.hit.geomID = [INVALID_ID; packet::WIDTH];
+            context.set_rays(rays);
+            // SAFETY: the scene is committed, the packet initialised, and the context names its rays.
+            unsafe { intersect16(scene, &mut context, &valid, &mut packet) };
+            packet::store(&packet, &self.scenes.numbers, hits);
+        }
+    }
+
+    fn occluded_batch(&self, rays: &[Ray], blocked: &mut [bool]) {
+        let scene = self.scenes.world.raw();
+        let mut context = QueryContext::new();
+        let mut valid = Lanes([0; packet::WIDTH]);
+        let mut packet = packet::new_rays();
+        for (rays, blocked) in rays
+            .chunks(packet::WIDTH)
+            .zip(blocked.chunks_mut(packet::WIDTH))
+        {
+            packet::load(rays, &mut packet, &mut valid);
+            context.set_rays(rays);
+            // SAFETY: the scene is committed, the packet initialised, and the context names its rays.
+            unsafe { occluded16(scene, &mut context, &valid, &mut packet) };
+            for (lane, blocked) in blocked.iter_mut().enumerate() {
+                *blocked = valid.0[lane] != 0 && packet.tfar[lane] == f32::NEG_INFINITY;
+            }
+        }
+    }
+
+    fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    fn memory_bytes(&self) -> usize {
+        self.device.bytes()
+    }
+
+    fn settings(&self) -> BuildSettings {
+        self.settings
+    }
+
+    fn name(&self) -> String {
+        format!("Embree {}", self.device.version())
+    }
+}
