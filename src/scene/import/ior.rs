@@ -129,9 +129,15 @@ mod tests {
     #[test]
     fn metals_have_their_colours() {
         let gold = normal_reflectance("Au");
-        assert!(gold.x > 0.9 && gold.y > 0.7 && gold.y < 0.85 && gold.z < 0.5, "{gold}");
+        assert!(
+            gold.x > 0.9 && gold.y > 0.7 && gold.y < 0.85 && gold.z < 0.5,
+            "{gold}"
+        );
         let copper = normal_reflectance("Cu");
-        assert!(copper.x > 0.9 && copper.y < 0.7 && copper.z < 0.6, "{copper}");
+        assert!(
+            copper.x > 0.9 && copper.y < 0.7 && copper.z < 0.6,
+            "{copper}"
+        );
         let silver = normal_reflectance("Ag");
         assert!(silver.min_element() > 0.87, "{silver}");
         let aluminium = normal_reflectance("Al");

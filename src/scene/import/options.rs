@@ -1,9 +1,8 @@
 //! What an importer is told besides the file.
 
 use super::ImportError;
-use super::mesh::{self, MeshKind, MeshOptions};
+use super::mesh::{self, Loaded, MeshKind, MeshOptions};
 use crate::image::ImageError;
-use crate::scene::Mesh;
 use crate::texture::{BitmapSettings, Texture, TextureStore};
 use std::path::Path;
 use std::sync::Arc;
@@ -21,7 +20,7 @@ impl OpenTexture for TextureStore {
 }
 
 /// Reads a mesh file; [`mesh::load`] is the one that does.
-pub type LoadMesh = fn(&Path, MeshKind, &MeshOptions) -> Result<Mesh, ImportError>;
+pub type LoadMesh = fn(&Path, MeshKind, &MeshOptions) -> Result<Loaded, ImportError>;
 
 /// What an importer is told besides the file.
 #[derive(Clone)]

@@ -83,8 +83,7 @@ pub fn black_body(kelvin: f64) -> Rgb {
     const SECOND_RADIATION: f64 = 1.438_776_877e-2;
     let planck = |nm: f64| {
         let metres = nm * 1e-9;
-        1e-9 * FIRST_RADIATION
-            / (metres.powi(5) * (SECOND_RADIATION / (metres * kelvin)).exp_m1())
+        1e-9 * FIRST_RADIATION / (metres.powi(5) * (SECOND_RADIATION / (metres * kelvin)).exp_m1())
     };
     integrate(Weighting::Emission, planck).max(Rgb::ZERO)
 }

@@ -5,8 +5,6 @@
 
 /// First wavelength of the tables, nm.
 pub const FIRST_NM: f64 = 360.0;
-/// Last wavelength of the tables, nm.
-pub const LAST_NM: f64 = 830.0;
 /// Distance between entries, nm.
 pub const STEP_NM: f64 = 5.0;
 

@@ -44,7 +44,7 @@ impl Defines {
     }
 
     /// A `<default>`: counts only if the name has no value yet.
-    pub fn default(&mut self, name: &str, value: &str) {
+    pub fn add_default(&mut self, name: &str, value: &str) {
         self.add(name, value, true);
     }
 
@@ -100,9 +100,9 @@ mod tests {
     #[test]
     fn the_command_line_wins_and_the_longest_name_too() {
         let mut d = Defines::new(&[("spp".into(), "16".into()), ("odd".into(), "1".into())]);
-        d.default("spp", "64");
-        d.default("s", "S");
-        d.default("file", "$spp");
+        d.add_default("spp", "64");
+        d.add_default("s", "S");
+        d.add_default("file", "$spp");
         assert_eq!(d.substitute("a$spp-$s$spp"), Ok("a16-S16".into()));
         assert_eq!(d.substitute(r"5 \$spp"), Ok("5 $spp".into()));
         assert_eq!(d.unused().collect::<Vec<_>>(), ["odd"]);
@@ -113,11 +113,11 @@ mod tests {
     #[test]
     fn doubling_defaults_are_stopped() {
         let mut d = Defines::default();
-        d.default("a0", "0123456789");
+        d.add_default("a0", "0123456789");
         let mut failed = false;
         for i in 1..40 {
             match d.substitute(&format!("$a{}$a{}", i - 1, i - 1)) {
-                Ok(v) => d.default(&format!("a{i}"), &v),
+                Ok(v) => d.add_default(&format!("a{i}"), &v),
                 Err(e) => {
                     assert!(e.contains("1 MiB"), "{e}");
                     failed = true;

@@ -17,10 +17,7 @@ pub(super) fn normalise(name: &str) -> String {
 }
 
 /// The known name most like `name`, if one is like it at all.
-pub(super) fn nearest<'n>(
-    name: &str,
-    known: impl IntoIterator<Item = &'n str>,
-) -> Option<&'n str> {
+pub(super) fn nearest<'n>(name: &str, known: impl IntoIterator<Item = &'n str>) -> Option<&'n str> {
     let name = name.to_lowercase();
     known
         .into_iter()

@@ -179,12 +179,7 @@ impl<'a> Params<'a> {
     }
 
     /// A whole number that fits `u32` and is at least `least`.
-    pub fn count(
-        &self,
-        name: &'static str,
-        default: u32,
-        least: u32,
-    ) -> Result<u32, ImportError> {
+    pub fn count(&self, name: &'static str, default: u32, least: u32) -> Result<u32, ImportError> {
         let Some(v) = self.integer(name)? else {
             return Ok(default);
         };

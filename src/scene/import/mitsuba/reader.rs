@@ -174,14 +174,19 @@ impl Reader {
             "default" => {
                 let name = self.required(element, &attributes, "name")?;
                 let value = self.required(element, &attributes, "value")?;
-                self.defines.default(name, value);
+                self.defines.add_default(name, value);
             }
             "include" => self.include(parent, element, &attributes, dialect)?,
             "alias" => {
                 let id = self.required(element, &attributes, "id")?;
                 let alias = self.required(element, &attributes, "as")?.to_owned();
                 let Some(&index) = self.ids.get(id) else {
-                    return Err(references::unknown(&self.document, &self.ids, id, element.at));
+                    return Err(references::unknown(
+                        &self.document,
+                        &self.ids,
+                        id,
+                        element.at,
+                    ));
                 };
                 self.register(&alias, index, element.at)?;
             }
@@ -292,7 +297,10 @@ impl Reader {
             }
             let hint = names::did_you_mean(name, known.iter().copied());
             let hint = hint.map(|h| format!("; {h}")).unwrap_or_default();
-            let warning = format!("{place}: <{}> has no attribute \"{name}\"{hint}", element.tag);
+            let warning = format!(
+                "{place}: <{}> has no attribute \"{name}\"{hint}",
+                element.tag
+            );
             self.document.warnings.push(warning);
         }
     }

@@ -194,12 +194,18 @@ pub(super) fn samples(samples: Vec<(f64, f64)>) -> Result<Color, String> {
 
 /// Text of a `.spd` file: a wavelength and a value a line, `#` begins a comment.
 pub(super) fn spectrum_file(text: &str) -> Result<Color, String> {
-    let lines = text.lines().map(|l| l.split('#').next().unwrap_or("").trim());
+    let lines = text
+        .lines()
+        .map(|l| l.split('#').next().unwrap_or("").trim());
     let mut list = Vec::new();
     for line in lines.filter(|l| !l.is_empty()) {
         match numbers(line)?.as_slice() {
             &[w, v] => list.push((w, v)),
-            _ => return Err(format!("expected a wavelength and a value, found \"{line}\"")),
+            _ => {
+                return Err(format!(
+                    "expected a wavelength and a value, found \"{line}\""
+                ));
+            }
         }
     }
     samples(list)
