@@ -13,6 +13,7 @@
 //! What is wrong is an error with file, line and column; what is odd (a parameter nobody knows) is a
 //! warning in [`Description::warnings`].
 
+mod attributes;
 mod bsdfs;
 mod bsdfs_nested;
 mod defines;
