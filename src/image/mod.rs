@@ -10,17 +10,39 @@ pub struct ImageError {
     pub reason: String,
 }
 
+/// A channel of an image.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Channel {
+    /// Its name.
+    pub name: String,
+}
+
 /// An image in memory.
 #[derive(Debug, Clone)]
 pub struct Image {
     /// Width in pixels.
-    pub width: usize,
+    pub width: u32,
     /// Height in pixels.
-    pub height: usize,
-    /// Names of the channels.
-    pub channels: Vec<String>,
+    pub height: u32,
+    /// The channels.
+    pub channels: Vec<Channel>,
     /// Values, rows from the top, channels interleaved.
     pub pixels: Vec<f32>,
+}
+
+impl Image {
+    /// The colours.
+    pub fn rgb(&self) -> Vec<crate::math::Rgb> {
+        self.pixels
+            .chunks_exact(3)
+            .map(crate::math::Rgb::from_slice)
+            .collect()
+    }
+}
+
+/// Reads an image.
+pub fn read_linear(path: &std::path::Path) -> Result<Image, ImageError> {
+    read(path)
 }
 
 /// Reads an image.
@@ -40,9 +62,11 @@ pub fn read(path: &std::path::Path) -> Result<Image, ImageError> {
     .map_err(|e| fail(&e))?;
     let size = image.layer_data.size;
     Ok(Image {
-        width: size.0,
-        height: size.1,
-        channels: ["R", "G", "B"].map(String::from).to_vec(),
+        width: size.0 as u32,
+        height: size.1 as u32,
+        channels: ["R", "G", "B"]
+            .map(|name| Channel { name: name.into() })
+            .to_vec(),
         pixels: image.layer_data.channel_data.pixels.1,
     })
 }
