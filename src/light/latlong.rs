@@ -202,7 +202,7 @@ fn angle(y: f32, x: f32) -> f32 {
     let den = if base > 0.0 { small + large } else { large };
     let t = num / den.max(f32::MIN_POSITIVE);
     let z = t * t;
-    let series = ((8.053_744_5e-2 * z - 1.387_768_6e-1) * z + 1.997_771_1e-1) * z - 3.333_294_9e-1;
+    let series = ((8.053_744_5e-2 * z - 1.387_768_6e-1) * z + 1.997_771_1e-1) * z - 3.333_295e-1;
     let mut angle = base + (series * z * t + t);
     if ay > ax {
         angle = FRAC_PI_2 - angle;
