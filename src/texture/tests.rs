@@ -1,0 +1,1 @@
+//! Tests of image textures as a whole.
