@@ -45,11 +45,25 @@ new_enough() {
     [ "$major" -gt 1 ] || [ "$minor" -ge "$oldest_minor" ]
 }
 
-# Version of the rustc on PATH, or nothing.
+# rustup puts Rust into a home directory, which is not on root's PATH under sudo.
+for user in "$(id -un)" "${SUDO_USER:-}"; do
+    [ -n "$user" ] || continue
+    home=$(getent passwd "$user" | cut -d : -f 6)
+    PATH=$PATH:$home/.cargo/bin
+done
+
+# Version of the rustc on PATH, or nothing. rustup's needs its owner's toolchains.
 rust_version() {
     command -v cargo >/dev/null 2>&1 || return 0
     command -v rustc >/dev/null 2>&1 || return 0
-    rustc --version 2>/dev/null | cut -d ' ' -f 2
+    rustc=$(command -v rustc)
+    case $rustc in
+        */.cargo/bin/rustc)
+            home=${rustc%/.cargo/bin/rustc}
+            RUSTUP_HOME=${RUSTUP_HOME:-$home/.rustup} rustc --version 2>/dev/null | cut -d ' ' -f 2
+            ;;
+        *) rustc --version 2>/dev/null | cut -d ' ' -f 2 ;;
+    esac
 }
 
 install() {
