@@ -19,6 +19,7 @@ pub mod file;
 pub mod oiio;
 #[cfg(any(test, not(feature = "oiio")))]
 mod openexr;
+pub mod spill;
 #[cfg(test)]
 mod tests;
 mod write;

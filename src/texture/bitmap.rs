@@ -1,8 +1,9 @@
 //! Image textures.
 //!
-//! An image is looked up in one of two ways, and both give the same numbers at the finest level:
+//! An image is looked up in one of three ways, and all give the same numbers at the finest level:
 //! *resident* texels, linear after one table look-up and a few nanoseconds away, while they fit into
-//! the store's budget; and OpenImageIO's tile cache, a hundred times slower but bounded, for the rest.
+//! the store's budget; the same texels *spilled* to disk and mapped; and, for files that are tiled,
+//! OpenImageIO's tile cache, many times slower but bounded and without a copy of the file.
 //! Values are made linear before they are interpolated.
 //!
 //! Row 0 of an image lies at v = 0, as in Mitsuba 3 and glTF: loaders of formats whose v points up
@@ -11,11 +12,10 @@
 #[cfg(feature = "oiio")]
 use super::cached::Cached;
 use super::place::{level, nearest, neighbours};
-use super::pyramid::{Pyramid, Texel};
+use super::pyramid::{Half, Pyramid, Texel};
 use super::{BitmapSettings, Filter, SurfacePoint};
 use crate::image::file::Level;
 use crate::math::{Rgb, Vec2, luminance};
-use half::f16;
 use std::sync::Arc;
 
 /// Where texels come from.
@@ -26,9 +26,9 @@ pub(super) enum Source {
     /// 8-bit grey.
     Grey8(Pyramid<u8, 1>),
     /// Half float colours.
-    RgbHalf(Pyramid<f16, 3>),
+    RgbHalf(Pyramid<Half, 3>),
     /// Half float grey.
-    GreyHalf(Pyramid<f16, 1>),
+    GreyHalf(Pyramid<Half, 1>),
     /// Float colours.
     RgbFloat(Pyramid<f32, 3>),
     /// Float grey.

@@ -1,4 +1,4 @@
-//! Texels through OpenImageIO's tile cache, for images that do not fit into memory.
+//! Texels through OpenImageIO's tile cache, for tiled images that do not fit into memory.
 //!
 //! OpenImageIO interpolates stored values, and an average of sRGB codes is not the code of the average.
 //! So only texels are asked of it, and they are made linear here before they are mixed.
@@ -102,11 +102,6 @@ pub(super) fn open(
 ) -> Result<Texels, ImageError> {
     let error = |why: String| ImageError::new(path, format!("the image cannot be read: {why}"));
     let first = plan.channels[0];
-    if plan.channels.iter().zip(first..).any(|(&c, i)| c != i) {
-        return Err(error(
-            "its colour channels are not side by side, and it is too large for memory".into(),
-        ));
-    }
     let handle = system.open(path).map_err(error)?;
     let size = plan.file.header().level;
     let mut levels = vec![size];

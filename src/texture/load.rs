@@ -3,11 +3,13 @@
 use super::BitmapSettings;
 use super::bitmap::{Source, Texels};
 use super::curve::{Cleaner, Curve};
-use super::pyramid::{Pyramid, Texel};
+use super::pyramid::{Half, Pyramid, Texel};
+use super::storage::Storage;
 use crate::image::file::{ImageFile, Level};
 use crate::image::{ImageError, PixelType, color_channels};
 use crate::math::Rgb;
-use half::f16;
+use bytemuck::Pod;
+use std::path::PathBuf;
 
 /// An image about to be loaded: what its header and the scene decide together.
 #[derive(Debug)]
@@ -17,7 +19,7 @@ pub(super) struct Plan {
     pub channels: Vec<usize>,
     pub curve: Curve,
     pub raw: bool,
-    pub mip: bool,
+    path: PathBuf,
 }
 
 /// What reading the finest level brings to light, apart from the texels.
@@ -47,7 +49,7 @@ impl Plan {
         Ok(Self {
             curve: Curve::of(settings, header.pixel_type, alpha),
             raw: settings.raw,
-            mip: true,
+            path: settings.path.clone(),
             channels,
             file,
         })
@@ -73,6 +75,13 @@ impl Plan {
         }
     }
 
+    /// Whether its channels lie side by side in the file, as the cache wants them.
+    #[cfg(feature = "oiio")]
+    pub fn is_contiguous(&self) -> bool {
+        let first = self.channels[0];
+        self.channels.iter().zip(first..).all(|(&c, i)| c == i)
+    }
+
     /// Bytes that the texels and their mip levels will take in memory.
     pub fn bytes(&self) -> usize {
         let size = self.file.header().level;
@@ -85,18 +94,18 @@ impl Plan {
         finest + finest / 3 + 2048
     }
 
-    /// Reads everything.
-    pub fn resident(mut self) -> Result<Texels, ImageError> {
+    /// Reads everything, into memory or into a file of its own.
+    pub fn read(mut self, on_disk: bool) -> Result<Texels, ImageError> {
         let size = self.file.header().level;
         let (grey, mut census) = (self.channels.len() == 1, Census::default());
-        let c = &mut census;
+        let (c, d) = (&mut census, on_disk);
         let (source, levels, bytes) = match (self.kept(), grey) {
-            (PixelType::U8, true) => described(self.codes::<1>(c)?, Source::Grey8),
-            (PixelType::U8, false) => described(self.codes::<3>(c)?, Source::Rgb8),
-            (PixelType::Half, true) => described(self.floats::<f16, 1>(c)?, Source::GreyHalf),
-            (PixelType::Half, false) => described(self.floats::<f16, 3>(c)?, Source::RgbHalf),
-            (_, true) => described(self.floats::<f32, 1>(c)?, Source::GreyFloat),
-            (_, false) => described(self.floats::<f32, 3>(c)?, Source::RgbFloat),
+            (PixelType::U8, true) => described(self.codes::<1>(d, c)?, Source::Grey8),
+            (PixelType::U8, false) => described(self.codes::<3>(d, c)?, Source::Rgb8),
+            (PixelType::Half, true) => described(self.floats::<Half, 1>(d, c)?, Source::GreyHalf),
+            (PixelType::Half, false) => described(self.floats::<Half, 3>(d, c)?, Source::RgbHalf),
+            (_, true) => described(self.floats::<f32, 1>(d, c)?, Source::GreyFloat),
+            (_, false) => described(self.floats::<f32, 3>(d, c)?, Source::RgbFloat),
         };
         Ok(Texels {
             source,
@@ -110,34 +119,80 @@ impl Plan {
     }
 
     /// 8-bit texels, as they are.
-    fn codes<const N: usize>(&mut self, census: &mut Census) -> Result<Pyramid<u8, N>, ImageError> {
-        let size = self.file.header().level;
+    fn codes<const N: usize>(
+        &mut self,
+        on_disk: bool,
+        census: &mut Census,
+    ) -> Result<Pyramid<u8, N>, ImageError>
+    where
+        [u8; N]: Pod,
+    {
         let table = self.curve.table();
-        let mut texels = Vec::with_capacity(size.width as usize * size.height as usize);
-        self.each_texel::<u8, N>(PixelType::U8, |codes| {
+        let convert = |codes: [u8; N]| {
             census.add(&codes.map(|c| table[c as usize]));
-            texels.push(codes);
-        })?;
-        Ok(Pyramid::new(size, texels, table, self.cleaner(), self.mip))
+            codes
+        };
+        let texels = self.stored(on_disk, PixelType::U8, convert)?;
+        self.pyramid(texels, table)
     }
 
     /// Texels of any type through `f32`, made linear and cleaned.
     fn floats<T: Texel, const N: usize>(
         &mut self,
+        on_disk: bool,
         census: &mut Census,
-    ) -> Result<Pyramid<T, N>, ImageError> {
-        let size = self.file.header().level;
+    ) -> Result<Pyramid<T, N>, ImageError>
+    where
+        [T; N]: Pod,
+    {
         let (curve, cleaner) = (self.curve, self.cleaner());
         let table = Box::new([0.0; 256]);
-        let mut texels = Vec::with_capacity(size.width as usize * size.height as usize);
-        self.each_texel::<f32, N>(PixelType::Float, |stored| {
+        let convert = |stored: [f32; N]| {
             let linear = stored.map(|x| curve.decode(x));
             let clean = linear.map(|x| cleaner.clean(x));
             census.bad += u64::from(clean != linear);
             census.add(&clean);
-            texels.push(clean.map(|x| T::encode(x, &table)));
+            clean.map(|x| T::encode(x, &table))
+        };
+        let texels = self.stored(on_disk, PixelType::Float, convert)?;
+        self.pyramid(texels, table)
+    }
+
+    /// The finest level.
+    fn stored<S: Pod, T: Texel, const N: usize>(
+        &mut self,
+        on_disk: bool,
+        stored: PixelType,
+        mut convert: impl FnMut([S; N]) -> [T; N],
+    ) -> Result<Storage<T, N>, ImageError>
+    where
+        [T; N]: Pod,
+    {
+        let size = self.file.header().level;
+        let count = size.width as usize * size.height as usize;
+        let path = self.path.clone();
+        let full = |e| cannot_store(&path, e);
+        let mut texels = Storage::new(count, on_disk).map_err(full)?;
+        let mut part: Vec<[T; N]> = Vec::new();
+        self.each_strip::<S, N>(stored, |strip| {
+            part.clear();
+            part.extend(strip.map(&mut convert));
+            texels.push(&part).map_err(full)
         })?;
-        Ok(Pyramid::new(size, texels, table, cleaner, self.mip))
+        Ok(texels)
+    }
+
+    fn pyramid<T: Texel, const N: usize>(
+        &self,
+        texels: Storage<T, N>,
+        table: Box<[f32; 256]>,
+    ) -> Result<Pyramid<T, N>, ImageError>
+    where
+        [T; N]: Pod,
+    {
+        let size = self.file.header().level;
+        Pyramid::new(size, texels, table, self.cleaner(), true)
+            .map_err(|e| cannot_store(&self.path, e))
     }
 
     /// The mean and the number of bad texels, read in strips and not kept.
@@ -155,19 +210,19 @@ impl Plan {
             census.add(&clean);
         };
         if self.channels.len() == 1 {
-            self.each_texel::<f32, 1>(PixelType::Float, |t| count(&t))?;
+            self.each_strip::<f32, 1>(PixelType::Float, |s| Ok(s.for_each(|t| count(&t))))?;
         } else {
-            self.each_texel::<f32, 3>(PixelType::Float, |t| count(&t))?;
+            self.each_strip::<f32, 3>(PixelType::Float, |s| Ok(s.for_each(|t| count(&t))))?;
         }
         Ok((census.mean(size, self.channels.len() == 1), census.bad))
     }
 
-    /// Calls `take` with the chosen channels of every texel of the file's current level, rows from the
-    /// top, read as `stored`.
-    fn each_texel<T: bytemuck::Pod, const N: usize>(
+    /// Calls `take` with the chosen channels of the texels of the file's current level, a strip of rows
+    /// at a time from the top, read as `stored`.
+    fn each_strip<S: Pod, const N: usize>(
         &mut self,
         stored: PixelType,
-        mut take: impl FnMut([T; N]),
+        mut take: impl FnMut(&mut dyn Iterator<Item = [S; N]>) -> Result<(), ImageError>,
     ) -> Result<(), ImageError> {
         let size = self.file.header().level;
         let first = self.channels.iter().copied().min().unwrap_or(0);
@@ -178,16 +233,20 @@ impl Plan {
         let mut data = Vec::new();
         for y0 in (0..size.height).step_by(strip as usize) {
             let y1 = y0.saturating_add(strip).min(size.height);
-            data.resize(
-                size.width as usize * (y1 - y0) as usize * count,
-                T::zeroed(),
-            );
+            let numbers = size.width as usize * (y1 - y0) as usize * count;
+            data.resize(numbers, S::zeroed());
             self.file.rows(y0..y1, first..end, stored, &mut data)?;
-            data.chunks_exact(count)
-                .for_each(|p| take(picks.map(|c| p[c])));
+            take(&mut data.chunks_exact(count).map(|p| picks.map(|c| p[c])))?;
         }
         Ok(())
     }
+}
+
+fn cannot_store(path: &std::path::Path, e: std::io::Error) -> ImageError {
+    ImageError::new(
+        path,
+        format!("its texels do not fit into memory, and cannot be put on disk: {e}"),
+    )
 }
 
 impl Census {
@@ -211,7 +270,10 @@ impl Census {
 fn described<T: Texel, const N: usize>(
     pyramid: Pyramid<T, N>,
     wrap: fn(Pyramid<T, N>) -> Source,
-) -> (Source, usize, usize) {
+) -> (Source, usize, usize)
+where
+    [T; N]: Pod,
+{
     let (levels, bytes) = (pyramid.level_count(), pyramid.memory_bytes());
     (wrap(pyramid), levels, bytes)
 }

@@ -8,6 +8,7 @@ mod load;
 mod pattern;
 mod place;
 mod pyramid;
+mod storage;
 mod store;
 #[cfg(test)]
 mod tests;

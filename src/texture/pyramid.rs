@@ -6,11 +6,13 @@
 //! *linear* values, so that the mean is the same at every level.
 
 use super::curve::Cleaner;
+use super::storage::Storage;
 use crate::image::file::Level;
+use bytemuck::{Pod, Zeroable};
 use half::f16;
 
 /// A kind of stored texel: how to make it linear and back.
-pub(super) trait Texel: Copy + Send + Sync + Default {
+pub(super) trait Texel: Pod + Send + Sync {
     /// Linear value.
     fn decode(self, table: &[f32; 256]) -> f32;
     /// The closest texel to a linear value.
@@ -34,12 +36,17 @@ impl Texel for u8 {
     }
 }
 
-impl Texel for f16 {
+/// A half float.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(transparent)]
+pub(super) struct Half(u16);
+
+impl Texel for Half {
     /// Exact for finite halves, without a branch and without denormal floats, which threads that trace
     /// rays flush to zero. (Infinities were removed by [`Cleaner`].)
     #[inline(always)]
     fn decode(self, _: &[f32; 256]) -> f32 {
-        let bits = u32::from(self.to_bits());
+        let bits = u32::from(self.0);
         let normal = f32::from_bits(((bits & 0x7fff) << 13) + (112 << 23));
         let denormal = (bits & 0x3ff) as f32 * (1.0 / 16_777_216.0);
         let magnitude = if bits & 0x7c00 == 0 { denormal } else { normal };
@@ -47,7 +54,7 @@ impl Texel for f16 {
     }
 
     fn encode(value: f32, _: &[f32; 256]) -> Self {
-        f16::from_f32(value)
+        Half(f16::from_f32(value).to_bits())
     }
 }
 
@@ -66,54 +73,48 @@ impl Texel for f32 {
 #[derive(Debug)]
 pub(super) struct Pyramid<T, const N: usize> {
     levels: Vec<(Level, usize)>,
-    texels: Vec<[T; N]>,
+    texels: Storage<T, N>,
     table: Box<[f32; 256]>,
 }
 
-impl<T: Texel, const N: usize> Pyramid<T, N> {
-    /// Builds the levels over `texels`, the finest; `mip` false leaves it at that.
+impl<T: Texel, const N: usize> Pyramid<T, N>
+where
+    [T; N]: Pod,
+{
+    /// Builds the levels over the finest, which `texels` holds; `mip` false leaves it at that. The
+    /// error is why more texels cannot be stored.
     pub fn new(
         size: Level,
-        mut texels: Vec<[T; N]>,
+        mut texels: Storage<T, N>,
         table: Box<[f32; 256]>,
         cleaner: Cleaner,
         mip: bool,
-    ) -> Self {
+    ) -> std::io::Result<Self> {
         let mut levels = vec![(size, 0)];
-        texels.resize(
-            size.width as usize * size.height as usize,
-            [T::default(); N],
-        );
-        if mip {
-            texels.reserve_exact(texels.len() / 2 + 64);
-        }
-        let mut fine: Vec<[f32; N]> = Vec::new();
-        let mut from = size;
+        let (mut from, mut at) = (size, 0);
+        texels.settle()?;
         while mip && (from.width > 1 || from.height > 1) {
             let to = half_size(from);
-            let (_, at) = levels[levels.len() - 1];
-            // The first level is decoded a row at a time; the others are averaged before rounding.
-            let coarse = if levels.len() == 1 {
-                let source = &texels[at..];
-                shrink(from, to, |i| source[i].map(|t| t.decode(&table)))
-            } else {
-                shrink(from, to, |i| fine[i])
-            };
-            levels.push((to, texels.len()));
-            texels.extend(
-                coarse
+            let columns = covers(from.width, to.width);
+            let next = at + from.width as usize * from.height as usize;
+            for rows in covers(from.height, to.height) {
+                let fine = &texels.all()[at..];
+                let row = shrunk_row(fine, from.width as usize, rows, &columns, &table);
+                let coarse: Vec<[T; N]> = row
                     .iter()
-                    .map(|p| p.map(|x| T::encode(cleaner.clean(x), &table))),
-            );
-            fine = coarse;
-            from = to;
+                    .map(|p| p.map(|x| T::encode(cleaner.clean(x), &table)))
+                    .collect();
+                texels.push(&coarse)?;
+            }
+            texels.settle()?;
+            levels.push((to, next));
+            (from, at) = (to, next);
         }
-        texels.shrink_to_fit();
-        Self {
+        Ok(Self {
             levels,
             texels,
             table,
-        }
+        })
     }
 
     /// Number of levels, at least 1.
@@ -128,20 +129,13 @@ impl<T: Texel, const N: usize> Pyramid<T, N> {
         self.levels[level].0
     }
 
-    /// A linear texel.
-    #[cfg(test)]
-    pub fn texel(&self, level: usize, x: u32, y: u32) -> [f32; N] {
-        let (size, at) = self.levels[level];
-        self.texels[at + y as usize * size.width as usize + x as usize]
-            .map(|t| t.decode(&self.table))
-    }
-
     /// Four linear texels of a level: `(x0, y0) (x1, y0) (x0, y1) (x1, y1)`.
     #[inline(always)]
     pub fn quad(&self, level: usize, x: [u32; 2], y: [u32; 2]) -> [[f32; N]; 4] {
         let (size, at) = self.levels[level];
         let rows = y.map(|y| at + y as usize * size.width as usize);
-        let one = |row: usize, x: u32| self.texels[row + x as usize].map(|t| t.decode(&self.table));
+        let texels = self.texels.all();
+        let one = |row: usize, x: u32| texels[row + x as usize].map(|t| t.decode(&self.table));
         [
             one(rows[0], x[0]),
             one(rows[0], x[1]),
@@ -150,9 +144,9 @@ impl<T: Texel, const N: usize> Pyramid<T, N> {
         ]
     }
 
-    /// Bytes of texels.
+    /// Bytes of texels in memory; 0 for texels on disk.
     pub fn memory_bytes(&self) -> usize {
-        self.texels.capacity() * size_of::<[T; N]>() + 1024
+        self.texels.memory_bytes()
     }
 }
 
@@ -164,44 +158,42 @@ pub(super) fn half_size(size: Level) -> Level {
     }
 }
 
-/// The texels that the texel `i` of `to` covers in a row of `from`: the first, and the share of each.
-/// At most three: the ratio is between 1 and 3.
-fn cover(i: u32, from: u32, to: u32) -> (usize, [f32; 3]) {
+/// The texels of a finer row or column that one of a coarser covers: the first, and each one's share.
+/// At most three: the ratio is below 3.
+type Cover = (usize, [f32; 3]);
+
+/// What each of `to` texels covers of `from`.
+fn covers(from: u32, to: u32) -> Vec<Cover> {
     let ratio = f64::from(from) / f64::from(to);
-    let (lo, hi) = (f64::from(i) * ratio, f64::from(i + 1) * ratio);
-    let first = (lo + 1e-9).floor();
-    let mut share = [0.0; 3];
-    for (k, s) in share.iter_mut().enumerate() {
-        let edge = first + k as f64;
-        *s = (((edge + 1.0).min(hi) - edge.max(lo)).max(0.0) / ratio) as f32;
-    }
-    (first as usize, share)
+    let cover = |i: u32| {
+        let (lo, hi) = (f64::from(i) * ratio, f64::from(i + 1) * ratio);
+        // Rounding may put an edge just below the integer that it is.
+        let first = (lo + 1e-9).floor();
+        let share = |k: usize| {
+            let edge = first + k as f64;
+            (((edge + 1.0).min(hi) - edge.max(lo)).max(0.0) / ratio) as f32
+        };
+        (first as usize, std::array::from_fn(share))
+    };
+    (0..to).map(cover).collect()
 }
 
-/// Area averages, rows first and then columns.
-fn shrink<const N: usize>(
-    from: Level,
-    to: Level,
-    texel: impl Fn(usize) -> [f32; N],
+/// A row of area averages of the level that `fine` begins with.
+fn shrunk_row<T: Texel, const N: usize>(
+    fine: &[[T; N]],
+    width: usize,
+    (top, rows): Cover,
+    columns: &[Cover],
+    table: &[f32; 256],
 ) -> Vec<[f32; N]> {
-    let columns: Vec<_> = (0..to.width)
-        .map(|x| cover(x, from.width, to.width))
-        .collect();
-    let mut out = Vec::with_capacity(to.width as usize * to.height as usize);
-    for y in 0..to.height {
-        let (top, rows) = cover(y, from.height, to.height);
-        for (left, shares) in &columns {
-            let mut sum = [0.0; N];
-            for (j, wy) in rows.iter().enumerate().filter(|(_, w)| **w > 0.0) {
-                let row = (top + j) * from.width as usize + left;
-                for (i, wx) in shares.iter().enumerate().filter(|(_, w)| **w > 0.0) {
-                    let p = texel(row + i);
-                    for c in 0..N {
-                        sum[c] += p[c] * wx * wy;
-                    }
-                }
+    let mut out = vec![[0.0; N]; columns.len()];
+    for (j, wy) in rows.iter().enumerate().filter(|(_, w)| **w > 1e-6) {
+        let row = &fine[(top + j) * width..(top + j + 1) * width];
+        for (sum, (left, shares)) in out.iter_mut().zip(columns) {
+            for (i, wx) in shares.iter().enumerate().filter(|(_, w)| **w > 1e-6) {
+                let p = row[left + i].map(|t| t.decode(table));
+                (0..N).for_each(|c| sum[c] += p[c] * wx * wy);
             }
-            out.push(sum);
         }
     }
     out
@@ -224,11 +216,13 @@ mod tests {
             let size = Level { width, height };
             let texels: Vec<[f32; 1]> = (0..width * height).map(|_| [rng.next_f32()]).collect();
             let mean = texels.iter().map(|t| f64::from(t[0])).sum::<f64>() / texels.len() as f64;
-            let p = Pyramid::new(size, texels, Box::new([0.0; 256]), ANY, true);
+            let p = Pyramid::new(size, texels.into(), Box::new([0.0; 256]), ANY, true).unwrap();
             for l in 0..p.level_count() {
                 let s = p.size(l);
                 let all = (0..s.height).flat_map(|y| (0..s.width).map(move |x| (x, y)));
-                let sum: f64 = all.map(|(x, y)| f64::from(p.texel(l, x, y)[0])).sum();
+                let sum: f64 = all
+                    .map(|(x, y)| f64::from(p.quad(l, [x; 2], [y; 2])[0][0]))
+                    .sum();
                 let level = sum / f64::from(s.width * s.height);
                 assert!((level - mean).abs() < 1e-5, "{width}x{height} level {l}");
             }
@@ -242,7 +236,7 @@ mod tests {
         for bits in 0..=u16::MAX {
             let h = f16::from_bits(bits);
             if h.is_finite() {
-                let ours = Texel::decode(h, &[0.0; 256]);
+                let ours = Half(bits).decode(&[0.0; 256]);
                 assert_eq!(ours.to_bits(), h.to_f32().to_bits(), "{bits:x}");
             }
         }

@@ -1,10 +1,12 @@
 //! All image textures of a scene, under one memory budget.
 //!
-//! Three quarters of the budget are for resident texels, the rest for OpenImageIO's tile cache, which
-//! starts when the first image does not fit. A file that is tiled and mip-mapped on disk (made by
-//! `maketx`, or a `.tx`) is meant to be read in pieces: it becomes resident only if it takes less than a
-//! sixteenth of the budget. Which images are resident depends on the order in which they are opened:
-//! whoever wants the same bits opens them in the same order.
+//! Three quarters of the budget are for resident texels, the rest for OpenImageIO's tile cache. A file
+//! that is tiled and mip-mapped on disk (made by `maketx`, a `.tx`) is meant to be read in pieces: it
+//! becomes resident only if it takes less than a sixteenth of the budget. An image that does not fit
+//! is read in pieces through the cache if it is tiled; if not, every piece would cost a pass over the
+//! file, so it is read once and its texels are put on disk and mapped. The three agree at the finest
+//! level; the cache's coarser levels are those of the file, or made by OpenImageIO. Which way an image
+//! goes depends on the order of opening: whoever wants the same bits opens in the same order.
 
 use super::bitmap::{Bitmap, Texels};
 use super::load::Plan;
@@ -101,13 +103,17 @@ impl TextureStore {
         let plan = Plan::new(settings)?;
         let bytes = plan.bytes();
         if self.reserve(bytes, self.limit_for(&plan)) {
-            let texels = plan.resident();
+            let texels = plan.read(false);
             if texels.is_err() {
                 self.resident.fetch_sub(bytes, Ordering::Relaxed);
             }
             return texels.map(Arc::new);
         }
-        self.cached(plan, settings).map(Arc::new)
+        #[cfg(feature = "oiio")]
+        if plan.file.header().tile_height > 0 && plan.is_contiguous() {
+            return self.cached(plan, settings).map(Arc::new);
+        }
+        plan.read(true).map(Arc::new)
     }
 
     /// The largest size at which this image may become resident.
@@ -136,19 +142,6 @@ impl TextureStore {
     #[cfg(not(feature = "oiio"))]
     fn cached_bytes(&self) -> usize {
         0
-    }
-
-    #[cfg(not(feature = "oiio"))]
-    fn cached(&self, plan: Plan, settings: &BitmapSettings) -> Result<Texels, ImageError> {
-        Err(ImageError::new(
-            &settings.path,
-            format!(
-                "needs {} MB of the {} MB that textures may take; without the feature `oiio` there \
-                 is no cache that could do with less",
-                plan.bytes() >> 20,
-                self.budget >> 20
-            ),
-        ))
     }
 
     #[cfg(feature = "oiio")]

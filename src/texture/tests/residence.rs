@@ -1,10 +1,10 @@
-//! Texels in memory and texels in OpenImageIO's cache.
+//! Texels in memory, on disk and in OpenImageIO's cache.
 
 use super::*;
 use std::process::Command;
 
 /// A store in which nothing can be resident.
-fn cache_only() -> TextureStore {
+fn no_memory() -> TextureStore {
     TextureStore::new(0)
 }
 
@@ -14,34 +14,55 @@ fn places(count: usize) -> Vec<Vec2> {
     (0..count).map(|_| Vec2::new(one(), one())).collect()
 }
 
+/// The same noise, tiled.
+fn tiled(path: &Path, stored: PixelType) -> PathBuf {
+    let image = crate::image::read(path).unwrap();
+    let name = path.file_name().unwrap().to_str().unwrap();
+    let to = path.with_file_name(format!("tiled-{name}"));
+    let options = WriteOptions {
+        pixel_type: Some(stored),
+        tiled: true,
+        ..Default::default()
+    };
+    write(&to, &image, &options).unwrap();
+    to
+}
+
 #[test]
-fn both_ways_give_the_same_numbers() {
+fn memory_disk_and_cache_give_the_same_numbers() {
     let dir = tempfile::tempdir().unwrap();
     for (name, stored, tolerance) in [
-        ("8.png", PixelType::U8, 0.0),
-        ("16.png", PixelType::U16, 3e-4),
+        ("8.tif", PixelType::U8, 0.0),
+        ("16.tif", PixelType::U16, 3e-4),
         ("half.exr", PixelType::Half, 0.0),
         ("float.exr", PixelType::Float, 0.0),
     ] {
         for channels in [&["R", "G", "B"][..], &["Y"]] {
-            let path = noise(dir.path(), name, [70, 33], channels, stored);
+            let path = noise(dir.path(), name, [170, 83], channels, stored);
+            let tiled = tiled(&path, stored);
             for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
                 for filter in [Filter::Linear, Filter::Nearest] {
-                    let s = BitmapSettings {
+                    let s = |path: &Path| BitmapSettings {
                         raw: false,
                         filter,
                         wrap_u: wrap,
                         wrap_v: wrap,
-                        ..settings(&path)
+                        ..settings(path)
                     };
-                    let resident = opened(s.clone());
-                    let cached = bitmap(cache_only().open(s).unwrap());
-                    assert!(resident.is_resident() && !cached.is_resident());
+                    let resident = opened(s(&path));
+                    let spilled = bitmap(no_memory().open(s(&path)).unwrap());
+                    let cached = bitmap(no_memory().open(s(&tiled)).unwrap());
+                    assert!(resident.is_resident());
+                    assert!(!cached.is_resident() && !spilled.is_resident());
                     for uv in places(300) {
-                        let (a, b) = (resident.eval_uv(uv, 0), cached.eval_uv(uv, 0));
-                        let error = (a - b).abs().max_element();
-                        assert!(error <= tolerance, "{name} {wrap:?} {uv}: {a} {b}");
+                        let a = resident.eval_uv(uv, 0);
+                        let error = (a - cached.eval_uv(uv, 0)).abs().max_element();
+                        assert!(error <= tolerance, "{name} {wrap:?} {uv}: {error}");
+                        for level in 0..resident.level_count() {
+                            assert_eq!(resident.eval_uv(uv, level), spilled.eval_uv(uv, level));
+                        }
                     }
+                    assert_eq!(resident.mean(), spilled.mean());
                     let means = (resident.mean() - cached.mean()).abs().max_element();
                     assert!(means < 1e-5 + tolerance, "{means}");
                 }
@@ -62,7 +83,8 @@ fn coarse_levels_of_linear_files_agree() {
         PixelType::Float,
     );
     let resident = opened(settings(&path));
-    let cached = bitmap(cache_only().open(settings(&path)).unwrap());
+    let tiled = tiled(&path, PixelType::Float);
+    let cached = bitmap(no_memory().open(settings(&tiled)).unwrap());
     assert_eq!(resident.level_count(), cached.level_count());
     for level in 0..resident.level_count() {
         for uv in places(200) {
