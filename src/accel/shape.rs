@@ -1,7 +1,13 @@
 //! Exact shapes: a unit shape and the affine map that places it.
+//!
+//! A ray is carried into the unit shape's space without renormalising its direction, so a distance
+//! found there is a distance along the original ray. The arithmetic is `f64`, and the origin is taken
+//! relative to the shape's centre *before* it is transformed: a sphere of radius 1 seen from 1e5 away,
+//! or standing 1e5 from the origin, loses nothing that the `f32` input had.
 
 use super::Bounds;
-use crate::math::{Affine3A, Vec3};
+use crate::math::{Affine3A, DVec3, Vec3, Vec3A};
+use std::f64::consts::{PI, TAU};
 
 /// Which unit shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,7 +35,17 @@ pub struct ExactShape {
 
 impl ExactShape {
     /// Places a unit shape.
+    ///
+    /// A flat shape does not use its z axis: where that is scaled to nothing (a rectangle with
+    /// `scale 2 3 0`), the axis is replaced by the normal, so that the map can be inverted.
+    /// A shape that is degenerate otherwise is never hit.
     pub fn new(kind: ExactKind, to_world: Affine3A) -> Self {
+        let mut to_world = to_world;
+        let flat = matches!(kind, ExactKind::Disk | ExactKind::Rectangle);
+        if flat && to_world.matrix3.determinant() == 0.0 {
+            let m = &mut to_world.matrix3;
+            m.z_axis = m.x_axis.cross(m.y_axis).normalize_or_zero();
+        }
         Self {
             kind,
             to_world,
@@ -37,22 +53,116 @@ impl ExactShape {
         }
     }
 
-    /// Bounds in world (or group) space, tight for boxes, slightly wide for curved shapes.
+    /// Bounds in world (or group) space: tight, up to a few units in the last place.
     pub fn bounds(&self) -> Bounds {
-        let (lo, hi) = match self.kind {
-            ExactKind::Sphere => (Vec3::NEG_ONE, Vec3::ONE),
-            ExactKind::Disk | ExactKind::Rectangle => {
-                (Vec3::new(-1.0, -1.0, 0.0), Vec3::new(1.0, 1.0, 0.0))
-            }
-            ExactKind::Cylinder => (Vec3::new(-1.0, -1.0, 0.0), Vec3::ONE),
+        let m = &self.to_world.matrix3;
+        let center = self.to_world.translation;
+        // The extent of a disk or sphere along an axis is the length of the map's row.
+        let round = |a: Vec3A, b: Vec3A, c: Vec3A| {
+            let square = a * a + b * b + c * c;
+            Vec3A::new(square.x.sqrt(), square.y.sqrt(), square.z.sqrt())
         };
-        (0..8).fold(Bounds::EMPTY, |b, i| {
-            let corner = Vec3::new(
-                if i & 1 == 0 { lo.x } else { hi.x },
-                if i & 2 == 0 { lo.y } else { hi.y },
-                if i & 4 == 0 { lo.z } else { hi.z },
-            );
-            b.with(self.to_world.transform_point3(corner))
-        })
+        let (x, y, z) = (m.x_axis, m.y_axis, m.z_axis);
+        match self.kind {
+            ExactKind::Sphere => around(center, round(x, y, z)),
+            ExactKind::Disk => around(center, round(x, y, Vec3A::ZERO)),
+            ExactKind::Rectangle => around(center, x.abs() + y.abs()),
+            ExactKind::Cylinder => {
+                let ring = round(x, y, Vec3A::ZERO);
+                around(center, ring).union(around(center + z, ring))
+            }
+        }
+    }
+
+    /// The nearest crossing of the line `org + t * dir` with `t` in `[tmin, tmax]`: `(t, u, v)`.
+    ///
+    /// `dir` need not be of unit length; `t` counts in its lengths.
+    pub fn intersect(&self, org: Vec3, dir: Vec3, tmin: f32, tmax: f32) -> Option<(f32, f32, f32)> {
+        let (t, p) = self.cross(org, dir, tmin, tmax)?;
+        let (u, v) = match self.kind {
+            ExactKind::Sphere => (turn(p), p.truncate().length().atan2(p.z) / PI),
+            ExactKind::Disk => (p.truncate().length(), turn(p)),
+            ExactKind::Cylinder => (turn(p), p.z.clamp(0.0, 1.0)),
+            ExactKind::Rectangle => (0.5 * (p.x + 1.0), 0.5 * (p.y + 1.0)),
+        };
+        Some((t, u as f32, v as f32))
+    }
+
+    /// Whether the line crosses the shape with `t` in `[tmin, tmax]`.
+    pub fn occludes(&self, org: Vec3, dir: Vec3, tmin: f32, tmax: f32) -> bool {
+        self.cross(org, dir, tmin, tmax).is_some()
+    }
+
+    /// Nearest crossing: the distance, and the point in unit space.
+    fn cross(&self, org: Vec3, dir: Vec3, tmin: f32, tmax: f32) -> Option<(f32, DVec3)> {
+        let m = &self.to_object.matrix3;
+        let columns = [m.x_axis, m.y_axis, m.z_axis].map(|c| Vec3::from(c).as_dvec3());
+        let map = |v: DVec3| columns[0] * v.x + columns[1] * v.y + columns[2] * v.z;
+        let o = map(org.as_dvec3() - Vec3::from(self.to_world.translation).as_dvec3());
+        let d = map(dir.as_dvec3());
+        let accept = |t: f64| {
+            let t = t as f32;
+            t >= tmin && t <= tmax
+        };
+        let roots = match self.kind {
+            ExactKind::Sphere => round_roots(o, d, o.dot(d), d.length_squared())?,
+            ExactKind::Cylinder => {
+                let (o2, d2) = (o.with_z(0.0), d.with_z(0.0));
+                round_roots(o2, d2, o2.dot(d2), d2.length_squared())?
+            }
+            ExactKind::Disk | ExactKind::Rectangle => {
+                let t = -o.z / d.z;
+                [t, t]
+            }
+        };
+        let hit = roots
+            .into_iter()
+            .map(|t| (t, o + d * t))
+            .find(|&(t, p)| accept(t) && self.covers(p));
+        hit.map(|(t, p)| (t as f32, p))
+    }
+
+    /// Whether a point on the shape's infinite surface belongs to the shape.
+    fn covers(&self, p: DVec3) -> bool {
+        match self.kind {
+            ExactKind::Sphere => true,
+            ExactKind::Disk => p.truncate().length_squared() <= 1.0,
+            ExactKind::Cylinder => (0.0..=1.0).contains(&p.z),
+            ExactKind::Rectangle => p.x.abs() <= 1.0 && p.y.abs() <= 1.0,
+        }
+    }
+}
+
+/// Both parameters at which `o + t d` is at distance 1 from the origin, the smaller first.
+///
+/// The discriminant is 1 - |l|^2, l the point of the line closest to the origin: the textbook's
+/// b^2 - 4ac subtracts numbers that grow with the square of the distance (Haines et al., "Precision
+/// Improvements for Ray/Sphere Intersection", Ray Tracing Gems 2019). The smaller root in magnitude
+/// comes from the product of the roots, c / q, which subtracts nothing.
+fn round_roots(o: DVec3, d: DVec3, od: f64, dd: f64) -> Option<[f64; 2]> {
+    let closest = o - d * (od / dd);
+    let discriminant = 1.0 - closest.length_squared();
+    // Written so that a NaN (a zero direction, a degenerate map) is a miss.
+    if !(discriminant >= 0.0 && dd > 0.0) {
+        return None;
+    }
+    let q = -od - (dd * discriminant).sqrt().copysign(od);
+    let c = o.length_squared() - 1.0;
+    let (far, near) = (q / dd, if q == 0.0 { 0.0 } else { c / q });
+    Some(if far < near { [far, near] } else { [near, far] })
+}
+
+/// Angle of `p` around z from +x, as a fraction of a turn in `[0, 1)`.
+fn turn(p: DVec3) -> f64 {
+    let angle = p.y.atan2(p.x) / TAU;
+    if angle < 0.0 { angle + 1.0 } else { angle }
+}
+
+/// The box of half-size `extent` around `center`, grown by the rounding error of its computation.
+fn around(center: Vec3A, extent: Vec3A) -> Bounds {
+    let pad = (extent + center.abs()) * (4.0 * f32::EPSILON);
+    Bounds {
+        min: (center - extent - pad).into(),
+        max: (center + extent + pad).into(),
     }
 }

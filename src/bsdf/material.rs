@@ -8,7 +8,7 @@ use crate::math::Rgb;
 use crate::texture::Texture;
 
 /// Shape of a microfacet distribution.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Distribution {
     /// Beckmann and Spizzichino.
     #[default]

@@ -8,8 +8,9 @@
 //! Directions are in world space, unit length, pointing away from the surface: `wo` towards where the
 //! path came from, `wi` towards where it goes on. `eval` includes the factor |cos theta_i|.
 
-use crate::math::{Rgb, Vec2, Vec3};
-use crate::texture::SurfacePoint;
+use crate::math::{Frame, Rgb, Vec2, Vec3};
+use lobes::{Lobe, weighted};
+use plain::Form;
 
 /// Index of a [`Material`] in [`Materials`].
 pub type MaterialId = u32;
@@ -68,85 +69,88 @@ pub struct BsdfSample {
     pub lobe: LobeFlags,
 }
 
+mod fresnel;
+mod layer;
+mod lobes;
+mod lookup;
 pub mod material;
+mod materials;
+mod microfacet;
+mod needs;
+mod perturb;
+mod plain;
+mod resolve;
+mod transmittance;
+mod tree;
+
 pub use material::Material;
-
-/// All materials of a scene.
-#[derive(Debug, Default)]
-pub struct Materials {
-    list: Vec<Material>,
-}
-
-impl Materials {
-    /// Adds a material and returns its number. Inner materials must have been added before.
-    pub fn push(&mut self, material: Material) -> MaterialId {
-        self.list.push(material);
-        (self.list.len() - 1) as MaterialId
-    }
-
-    /// The material `id`.
-    pub fn get(&self, id: MaterialId) -> &Material {
-        &self.list[id as usize]
-    }
-
-    /// How many there are.
-    pub fn len(&self) -> usize {
-        self.list.len()
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.list.is_empty()
-    }
-
-    /// Resolves material `id` at a point seen from direction `wo` (unit, away from the surface).
-    pub fn resolve(&self, id: MaterialId, point: &SurfacePoint, wo: Vec3) -> Bsdf {
-        let _ = (id, point, wo);
-        unimplemented!()
-    }
-
-    /// Opacity of material `id` at a point: below 1 only where a [`Material::Mask`] says so.
-    pub fn opacity(&self, id: MaterialId, point: &SurfacePoint) -> f32 {
-        let _ = (id, point);
-        unimplemented!()
-    }
-
-    /// Whether material `id` needs [`Materials::opacity`] asked at every hit.
-    pub fn is_masked(&self, id: MaterialId) -> bool {
-        let _ = id;
-        unimplemented!()
-    }
-}
+pub use materials::Materials;
 
 /// A material at one point: plain numbers, ready to sample.
+///
+/// Made by [`Materials::resolve`] for one `wo`, which is the one to ask it about: the side of a
+/// two-sided material and the frames of bump and normal maps were chosen for it.
 #[derive(Clone, Debug)]
-pub struct Bsdf {}
+pub struct Bsdf {
+    frame: Frame,
+    ng: Vec3,
+    flags: LobeFlags,
+    form: Form,
+}
+
+/// Largest correction for shading normals: what exceeds it is a ray that grazes a bad normal, and
+/// would be a firefly among the photons.
+const MAX_CORRECTION: f32 = 10.0;
+
+/// The factor that keeps scattering with shading normals adjoint when power instead of radiance is
+/// carried (Veach 1997, 5.3): `|wo.ns| |wi.ng| / (|wo.ng| |wi.ns|)`, at most [`MAX_CORRECTION`].
+#[inline]
+fn normal_correction(wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3) -> f32 {
+    let above = (wo.dot(ns) * wi.dot(ng)).abs();
+    let below = (wo.dot(ng) * wi.dot(ns)).abs();
+    if below > above * (1.0 / MAX_CORRECTION) {
+        above / below
+    } else if above > 0.0 {
+        MAX_CORRECTION
+    } else {
+        0.0
+    }
+}
 
 impl Bsdf {
     /// What its lobes do, together.
+    #[inline]
     pub fn flags(&self) -> LobeFlags {
-        unimplemented!()
+        self.flags
     }
 
     /// f(wo, wi) |cos theta_i|, without delta lobes.
     pub fn eval(&self, wo: Vec3, wi: Vec3, transport: Transport) -> Rgb {
-        let _ = (wo, wi, transport);
-        unimplemented!()
+        self.eval_pdf(wo, wi, transport).0
     }
 
     /// Density with which [`Bsdf::sample`] draws `wi`, without delta lobes.
     pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        let _ = (wo, wi);
-        unimplemented!()
+        self.eval_pdf(wo, wi, Transport::Radiance).1
     }
 
     /// `eval` and `pdf` together: cheaper than one after the other.
+    #[inline]
     pub fn eval_pdf(&self, wo: Vec3, wi: Vec3, transport: Transport) -> (Rgb, f32) {
-        (self.eval(wo, wi, transport), self.pdf(wo, wi))
+        let (o, i) = (self.frame.to_local(wo), self.frame.to_local(wi));
+        let (value, pdf) = match &self.form {
+            Form::Diffuse(diffuse) => diffuse.eval_pdf(o, i, transport),
+            Form::Tree(tree) => tree.eval_pdf(tree.root(), o, i, transport),
+        };
+        match transport {
+            Transport::Radiance => (value, pdf),
+            Transport::Importance => (value * self.correction(wo, wi), pdf),
+        }
     }
 
     /// Draws a direction. `u_lobe` chooses among lobes, `u` inside one. `None` where nothing scatters
     /// (absorbed, below the horizon): a sample of value zero, never to be drawn again.
+    #[inline]
     pub fn sample(
         &self,
         wo: Vec3,
@@ -154,17 +158,57 @@ impl Bsdf {
         u: Vec2,
         transport: Transport,
     ) -> Option<BsdfSample> {
-        let _ = (wo, u_lobe, u, transport);
-        unimplemented!()
+        let o = self.frame.to_local(wo);
+        let local = match &self.form {
+            Form::Diffuse(diffuse) => diffuse.sample(o, u_lobe, u, transport)?,
+            Form::Tree(tree) => tree.sample(tree.root(), o, u_lobe, u, transport)?,
+        };
+        let wi = self.frame.to_world(local.wi);
+        if transport == Transport::Radiance {
+            return Some(BsdfSample { wi, ..local });
+        }
+        let weight = local.weight * self.correction(wo, wi);
+        weighted(wi, weight, local.pdf, local.eta, local.lobe)
+    }
+
+    #[inline]
+    fn correction(&self, wo: Vec3, wi: Vec3) -> f32 {
+        normal_correction(wo, wi, self.frame.n, self.ng)
+    }
+
+    /// The normal that tells which lights can matter, on the side of `wo`; zero where light from both
+    /// sides does, or where a bump or normal map turns the horizon.
+    #[inline]
+    pub fn light_normal(&self, wo: Vec3) -> Vec3 {
+        if self.flags().has(LobeFlags::TRANSMISSION)
+            || matches!(&self.form, Form::Tree(tree) if tree.turns_normal())
+        {
+            return Vec3::ZERO;
+        }
+        let n = self.frame.n;
+        if n.dot(wo) < 0.0 { -n } else { n }
     }
 
     /// Reflectance for the albedo AOV (OIDN's meaning: about the colour a denoiser should keep; 1 for clear glass and mirrors).
+    #[inline]
     pub fn albedo(&self) -> Rgb {
-        unimplemented!()
+        let albedo = match &self.form {
+            Form::Diffuse(diffuse) => diffuse.reflectance,
+            Form::Tree(tree) => tree.albedo(tree.root()),
+        };
+        albedo.clamp(Rgb::ZERO, Rgb::ONE)
     }
 
     /// Smallest roughness alpha among the smooth lobes: 1 for diffuse, 0 if there is none. Decides what guiding may touch.
+    #[inline]
     pub fn roughness(&self) -> f32 {
-        unimplemented!()
+        let alpha = match &self.form {
+            Form::Diffuse(_) => return 1.0,
+            Form::Tree(tree) => tree.roughness(tree.root()),
+        };
+        alpha.unwrap_or(0.0).min(1.0)
     }
 }
+
+#[cfg(test)]
+mod tests;

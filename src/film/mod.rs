@@ -33,3 +33,116 @@ pub struct FilmDescription {
     /// Multiplier applied before an 8-bit curve, as a power of two (`ldrfilm` exposure).
     pub exposure: f32,
 }
+
+pub mod layers;
+pub mod tile;
+
+pub use layers::{Layers, Metadata};
+pub use tile::{Pixel, Sample, TILE_SIZE, Tile};
+
+/// Share of the pixels, the noisiest, that [`Film::noise`] leaves out: a single bright speck would
+/// otherwise keep a clean image rendering for ever.
+const NOISE_TRIM: f64 = 1e-3;
+
+/// Sums of samples, stored in tiles.
+///
+/// A tile is rendered by one task at a time and a pixel's samples are added in their order, so the
+/// sums depend neither on threads nor on how samples were cut into passes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Film {
+    /// x0, y0, x1, y1 on the full film.
+    region: [u32; 4],
+    tiles: Vec<Tile>,
+}
+
+impl Film {
+    /// An empty film of the size (or crop) asked for.
+    pub fn new(description: &FilmDescription) -> Self {
+        let full = [0, 0, description.width, description.height];
+        let region = description.crop.unwrap_or(full);
+        let [x0, y0, x1, y1] = region;
+        let mut tiles = Vec::new();
+        for y in (y0..y1).step_by(TILE_SIZE as usize) {
+            for x in (x0..x1).step_by(TILE_SIZE as usize) {
+                let (width, height) = ((x1 - x).min(TILE_SIZE), (y1 - y).min(TILE_SIZE));
+                tiles.push(Tile {
+                    x0: x,
+                    y0: y,
+                    width,
+                    height,
+                    pixels: vec![Pixel::default(); (width * height) as usize],
+                    invalid: 0,
+                    first_invalid: None,
+                });
+            }
+        }
+        Self { region, tiles }
+    }
+
+    /// Width of the rendered region.
+    pub fn width(&self) -> u32 {
+        self.region[2] - self.region[0]
+    }
+
+    /// Height of the rendered region.
+    pub fn height(&self) -> u32 {
+        self.region[3] - self.region[1]
+    }
+
+    /// The rendered region on the full film: x0, y0, x1, y1.
+    pub fn region(&self) -> [u32; 4] {
+        self.region
+    }
+
+    /// All tiles, row by row.
+    pub fn tiles(&self) -> &[Tile] {
+        &self.tiles
+    }
+
+    /// All tiles, to add samples to.
+    pub fn tiles_mut(&mut self) -> &mut [Tile] {
+        &mut self.tiles
+    }
+
+    /// The pixel at `(x, y)` of the region.
+    pub fn pixel(&self, x: u32, y: u32) -> &Pixel {
+        let across = self.width().div_ceil(TILE_SIZE);
+        let tile = &self.tiles[(y / TILE_SIZE * across + x / TILE_SIZE) as usize];
+        &tile.pixels[(y % TILE_SIZE * tile.width + x % TILE_SIZE) as usize]
+    }
+
+    /// Samples that were dropped because they were not finite.
+    pub fn invalid_samples(&self) -> u64 {
+        self.tiles.iter().map(|t| t.invalid).sum()
+    }
+
+    /// The first dropped sample in film order: x, y, sample.
+    pub fn first_invalid(&self) -> Option<(u32, u32, u64)> {
+        self.tiles.iter().find_map(|t| t.first_invalid)
+    }
+
+    /// Noise of the image: the square root of the mean over pixels and channels of
+    /// `variance / (value^2 + 0.01)`, without the noisiest 0.1 %. It is the root of the relMSE that a
+    /// comparison with the converged image is expected to show. `None` below two samples a pixel.
+    pub fn noise(&self) -> Option<f32> {
+        let pixels = self.tiles.iter().flat_map(|t| &t.pixels);
+        let mut errors = Vec::with_capacity((self.width() * self.height() * 3) as usize);
+        for pixel in pixels {
+            if pixel.count < 2 {
+                return None;
+            }
+            let (mean, variance) = (pixel.mean(), pixel.variance_of_mean());
+            errors.extend((0..3).map(|c| variance[c] / (mean[c] * mean[c] + 0.01)));
+        }
+        let kept = errors.len() - (errors.len() as f64 * NOISE_TRIM) as usize;
+        if kept == 0 {
+            return None;
+        }
+        errors.select_nth_unstable_by(kept - 1, f64::total_cmp);
+        // Sorting the kept part is not needed for its mean, but its order must not depend on the
+        // selection algorithm: sums of the same numbers in another order differ in the last bits.
+        errors[..kept].sort_unstable_by(f64::total_cmp);
+        let mean = errors[..kept].iter().sum::<f64>() / kept as f64;
+        Some(mean.sqrt() as f32)
+    }
+}

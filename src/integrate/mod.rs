@@ -1,1 +1,47 @@
-//! See the module's own page.
+//! Path tracing.
+//!
+//! [`render`](render::render) cuts the film into tiles and the samples into passes. A tile of a pass is one task: its
+//! samples travel together as a [`wave`], one bounce at a time, so that the ray tracer gets rays in
+//! bulk (packets) and the same code runs over many vertices in a row. What happens at a vertex
+//! (emission, next-event estimation and BSDF sampling joined by multiple importance sampling, Russian
+//! roulette) is in [`vertex`].
+//!
+//! Each sample's numbers come from `(seed, pixel, sample)` alone and each pixel's sum is taken in sample
+//! order, so neither the tiles nor the threads can change a bit of the image.
+
+pub mod guiding;
+pub mod learn;
+pub mod render;
+pub mod vertex;
+pub mod wave;
+
+use crate::math::PathSampler;
+use crate::scene::description::SamplerKind;
+
+/// How paths are traced.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PathSettings {
+    /// Most edges of a path seen from the camera: 1 is emission alone, 2 adds direct light. `u32::MAX` is unlimited.
+    pub max_depth: u32,
+    /// Russian roulette starts at this depth.
+    pub rr_depth: u32,
+    /// The camera itself does not see emitters.
+    pub hide_emitters: bool,
+    /// Drop light that crosses a surface by its shading normal only.
+    pub strict_normals: bool,
+    /// Which numbers drive the samples.
+    pub sampler: SamplerKind,
+    /// Stream of all random numbers.
+    pub seed: u64,
+}
+
+impl PathSettings {
+    /// The numbers of one sample of one pixel.
+    #[inline]
+    pub fn sampler(&self, pixel: u64, sample: u64) -> PathSampler {
+        match self.sampler {
+            SamplerKind::Independent => PathSampler::independent(self.seed, pixel, sample),
+            SamplerKind::Sobol => PathSampler::sobol(self.seed, pixel, sample),
+        }
+    }
+}

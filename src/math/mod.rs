@@ -2,14 +2,19 @@
 //! warps from the unit square, random numbers, and arithmetic that neither overflows nor loses digits.
 
 pub mod distribution;
+pub mod equal_area;
 pub mod frame;
 pub mod mis;
 pub mod offset;
 pub mod rgb;
 pub mod rng;
+pub mod sampler;
+pub mod special;
+pub mod sum;
 pub mod warp;
 
 pub use frame::Frame;
 pub use glam::{Affine3A, DAffine3, DMat4, DVec3, Mat3, Vec2, Vec3, Vec3A};
 pub use rgb::{Rgb, luminance};
 pub use rng::Pcg32;
+pub use sampler::PathSampler;

@@ -1,6 +1,10 @@
 //! Scenes: first as data ([`Description`]), as an importer leaves them, then built for rendering.
 
+pub mod area;
+pub mod build;
 pub mod description;
 pub mod import;
+pub mod surface;
 
+pub use build::{BuildError, Scene};
 pub use description::{Description, Geometry, Mesh, Shape};

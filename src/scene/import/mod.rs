@@ -2,6 +2,15 @@
 
 use std::path::PathBuf;
 
+pub mod ior;
+pub mod mesh;
+pub mod mitsuba;
+mod options;
+pub mod spectrum;
+mod spectrum_tables;
+
+pub use options::{ImportOptions, LoadMesh, OpenTexture};
+
 /// A place in a text file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Location {

@@ -1,0 +1,79 @@
+//! The modified Phong model (Lafortune and Willems 1994), as Mitsuba 0.6 has it.
+
+use super::{
+    GLOSSY_REFLECTION, Lobe, conserving, cosine_pdf, mean, sample_cosine, share, smooth_sample,
+};
+use crate::bsdf::{BsdfSample, LobeFlags, Transport};
+use crate::math::{Frame, Rgb, Vec2, Vec3};
+use std::f32::consts::{FRAC_1_PI, TAU};
+
+/// A diffuse part and a power of the cosine around the mirror direction.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::bsdf) struct Phong {
+    diffuse: Rgb,
+    specular: Rgb,
+    exponent: f32,
+    specular_weight: f32,
+}
+
+impl Phong {
+    pub fn new(diffuse: Rgb, specular: Rgb, exponent: f32) -> Self {
+        let (diffuse, specular) = conserving(diffuse, specular);
+        Self {
+            diffuse,
+            specular,
+            exponent: exponent.max(0.0),
+            specular_weight: share(mean(specular), mean(diffuse)),
+        }
+    }
+}
+
+impl Lobe for Phong {
+    fn eval_pdf(&self, wo: Vec3, wi: Vec3, _: Transport) -> (Rgb, f32) {
+        if wo.z <= 0.0 || wi.z <= 0.0 {
+            return (Rgb::ZERO, 0.0);
+        }
+        let mirror = Vec3::new(-wo.x, -wo.y, wo.z);
+        let power = mirror.dot(wi).clamp(0.0, 1.0).powf(self.exponent) / TAU;
+        let value = self.diffuse * FRAC_1_PI + self.specular * (power * (self.exponent + 2.0));
+        let p = self.specular_weight;
+        let pdf = p * power * (self.exponent + 1.0) + (1.0 - p) * cosine_pdf(wi.z);
+        (value * wi.z, pdf)
+    }
+
+    fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2, transport: Transport) -> Option<BsdfSample> {
+        if wo.z <= 0.0 {
+            return None;
+        }
+        let wi = if u_lobe < self.specular_weight {
+            let cos = u.y.powf(1.0 / (self.exponent + 1.0));
+            let sin = (1.0 - cos * cos).max(0.0).sqrt();
+            let (sin_phi, cos_phi) = (TAU * u.x).sin_cos();
+            Frame::new(Vec3::new(-wo.x, -wo.y, wo.z)).to_world(Vec3::new(
+                sin * cos_phi,
+                sin * sin_phi,
+                cos,
+            ))
+        } else {
+            sample_cosine(u)
+        };
+        let (value, pdf) = self.eval_pdf(wo, wi, transport);
+        smooth_sample(wi, value, pdf, 1.0, GLOSSY_REFLECTION)
+    }
+
+    fn flags(&self) -> LobeFlags {
+        GLOSSY_REFLECTION
+    }
+
+    fn albedo(&self) -> Rgb {
+        self.diffuse + self.specular
+    }
+
+    /// The Beckmann roughness whose lobe is about as wide (Walter et al. 2007).
+    fn roughness(&self) -> Option<f32> {
+        if self.specular_weight == 0.0 {
+            return Some(1.0);
+        }
+        Some((2.0 / (self.exponent + 2.0)).sqrt())
+    }
+}

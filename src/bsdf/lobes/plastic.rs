@@ -1,0 +1,96 @@
+//! A diffuse base under a smooth dielectric coat, with the light that bounces between them.
+
+use super::{
+    DELTA_REFLECTION, GLOSSY_REFLECTION, Lobe, cosine_pdf, mean, sample_cosine, share, weighted,
+};
+use crate::bsdf::fresnel::{dielectric, internal_diffuse_reflectance};
+use crate::bsdf::{BsdfSample, LobeFlags, Transport};
+use crate::math::{Rgb, Vec2, Vec3};
+
+/// Smooth plastic, Mitsuba's formulas.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::bsdf) struct Plastic {
+    eta: f32,
+    specular: Rgb,
+    diffuse: Rgb,
+    /// Colour of the base after all bounces under the coat, over eta squared.
+    base: Rgb,
+    /// Share of the specular reflectance in both: steers sampling.
+    specular_weight: f32,
+}
+
+/// The base's colour with interreflection under a coat that returns the fraction `internal` of diffuse
+/// light: `d / (1 - d internal)` if the shift of colour is wanted (`nonlinear`), else the base's own
+/// colour scaled as if it were white.
+#[inline]
+pub(in crate::bsdf) fn interreflected(diffuse: Rgb, internal: f32, nonlinear: bool) -> Rgb {
+    if nonlinear {
+        diffuse / (Rgb::ONE - diffuse * internal)
+    } else {
+        diffuse / (1.0 - internal)
+    }
+}
+
+impl Plastic {
+    pub fn new(eta: f32, diffuse: Rgb, specular: Rgb, nonlinear: bool) -> Self {
+        let internal = internal_diffuse_reflectance(eta);
+        Self {
+            eta,
+            specular,
+            diffuse,
+            base: interreflected(diffuse, internal, nonlinear) / (eta * eta),
+            specular_weight: share(mean(specular), mean(diffuse)),
+        }
+    }
+
+    /// Fresnel reflectance for `wo`, and the probability of sampling the coat.
+    #[inline]
+    fn choice(&self, wo: Vec3) -> (f32, f32) {
+        let r = dielectric(wo.z, self.eta).r;
+        let p = share(
+            r * self.specular_weight,
+            (1.0 - r) * (1.0 - self.specular_weight),
+        );
+        (r, p)
+    }
+}
+
+impl Lobe for Plastic {
+    fn eval_pdf(&self, wo: Vec3, wi: Vec3, _: Transport) -> (Rgb, f32) {
+        if wo.z <= 0.0 || wi.z <= 0.0 {
+            return (Rgb::ZERO, 0.0);
+        }
+        let (r, p) = self.choice(wo);
+        let through = (1.0 - r) * (1.0 - dielectric(wi.z, self.eta).r);
+        let cosine = cosine_pdf(wi.z);
+        (self.base * (cosine * through), cosine * (1.0 - p))
+    }
+
+    fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2, _: Transport) -> Option<BsdfSample> {
+        if wo.z <= 0.0 {
+            return None;
+        }
+        let (r, p) = self.choice(wo);
+        if u_lobe < p {
+            let wi = Vec3::new(-wo.x, -wo.y, wo.z);
+            return weighted(wi, self.specular * (r / p), p, 1.0, DELTA_REFLECTION);
+        }
+        let wi = sample_cosine(u);
+        let through = (1.0 - r) * (1.0 - dielectric(wi.z, self.eta).r);
+        let weight = self.base * (through / (1.0 - p));
+        let pdf = cosine_pdf(wi.z) * (1.0 - p);
+        weighted(wi, weight, pdf, 1.0, GLOSSY_REFLECTION)
+    }
+
+    fn flags(&self) -> LobeFlags {
+        GLOSSY_REFLECTION | DELTA_REFLECTION
+    }
+
+    fn albedo(&self) -> Rgb {
+        self.diffuse
+    }
+
+    fn roughness(&self) -> Option<f32> {
+        Some(1.0)
+    }
+}

@@ -1,0 +1,98 @@
+//! A diffuse base under a rough dielectric coat.
+
+use super::{
+    GLOSSY_REFLECTION, Lobe, cosine_pdf, mean, plastic::interreflected, sample_cosine, share,
+    smooth_sample,
+};
+use crate::bsdf::fresnel::{dielectric, reflect};
+use crate::bsdf::microfacet::Microfacet;
+use crate::bsdf::transmittance::RoughTransmittance;
+use crate::bsdf::{BsdfSample, LobeFlags, Transport};
+use crate::math::{Rgb, Vec2, Vec3};
+use std::f32::consts::FRAC_1_PI;
+
+/// Rough plastic, Mitsuba 3's formulas.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::bsdf) struct RoughPlastic {
+    eta: f32,
+    facets: Microfacet,
+    specular: Rgb,
+    diffuse: Rgb,
+    /// Colour of the base after all bounces under the coat, over pi eta^2.
+    base: Rgb,
+    specular_weight: f32,
+    table: &'static RoughTransmittance,
+}
+
+impl RoughPlastic {
+    pub fn new(
+        eta: f32,
+        facets: Microfacet,
+        (diffuse, specular): (Rgb, Rgb),
+        nonlinear: bool,
+        table: &'static RoughTransmittance,
+    ) -> Self {
+        let base = interreflected(diffuse, table.internal_reflectance, nonlinear);
+        Self {
+            eta,
+            facets,
+            specular,
+            diffuse,
+            base: base * (FRAC_1_PI / (eta * eta)),
+            specular_weight: share(mean(specular), mean(diffuse)),
+            table,
+        }
+    }
+
+    /// Transmittance towards `wo`, and the probability of sampling the coat.
+    #[inline]
+    fn choice(&self, wo: Vec3) -> (f32, f32) {
+        let t = self.table.entering(wo.z);
+        let p = share(
+            (1.0 - t).max(0.0) * self.specular_weight,
+            t * (1.0 - self.specular_weight),
+        );
+        (t, p)
+    }
+}
+
+impl Lobe for RoughPlastic {
+    fn eval_pdf(&self, wo: Vec3, wi: Vec3, _: Transport) -> (Rgb, f32) {
+        if wo.z <= 0.0 || wi.z <= 0.0 {
+            return (Rgb::ZERO, 0.0);
+        }
+        let (t, p) = self.choice(wo);
+        let m = (wo + wi).normalize();
+        let seen = self.facets.d(m) * self.facets.g1(wo, m) / (4.0 * wo.z);
+        let coat = dielectric(wo.dot(m), self.eta).r * seen * self.facets.g1(wi, m);
+        let base = wi.z * t * self.table.entering(wi.z);
+        let value = self.specular * coat + self.base * base;
+        (value, p * seen + (1.0 - p) * cosine_pdf(wi.z))
+    }
+
+    fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2, transport: Transport) -> Option<BsdfSample> {
+        if wo.z <= 0.0 {
+            return None;
+        }
+        let (_, p) = self.choice(wo);
+        let wi = if u_lobe < p {
+            reflect(wo, self.facets.sample(wo, u)).normalize()
+        } else {
+            sample_cosine(u)
+        };
+        let (value, pdf) = self.eval_pdf(wo, wi, transport);
+        smooth_sample(wi, value, pdf, 1.0, GLOSSY_REFLECTION)
+    }
+
+    fn flags(&self) -> LobeFlags {
+        GLOSSY_REFLECTION
+    }
+
+    fn albedo(&self) -> Rgb {
+        self.diffuse
+    }
+
+    fn roughness(&self) -> Option<f32> {
+        Some(self.facets.alpha())
+    }
+}

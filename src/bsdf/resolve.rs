@@ -1,0 +1,220 @@
+//! From a material and a point to numbers: every texture is looked up once, sides are chosen, frames
+//! turned.
+
+use super::layer::{Coating, Layer, RoughCoating};
+use super::lobes::diffuse::Diffuse;
+use super::lookup::{Lookup, sane_eta};
+use super::perturb::{Perturbation, bumped_normal};
+use super::tree::{Mix, Node, NodeId, Tree};
+use super::{Material, MaterialId};
+use crate::math::{Frame, Vec2, Vec3};
+use crate::texture::Texture;
+
+/// Resolving one material at one point into a tree.
+pub(super) struct Resolver<'a> {
+    pub lookup: Lookup<'a>,
+    pub tree: &'a mut Tree,
+}
+
+impl Resolver<'_> {
+    /// Adds the nodes of `material`; `frame` is the shading frame that maps turn and `wo` is local to
+    /// it, mirrored where a two-sided material is seen from its back.
+    #[inline]
+    pub fn add(&mut self, id: MaterialId, frame: &Frame, wo: Vec3) -> NodeId {
+        let Some(material) = self.lookup.materials.list.get(id as usize) else {
+            return self.tree.push(Node::Black);
+        };
+        // The most common model goes straight to its place, past the copies of the general way.
+        if let Material::Diffuse { reflectance } = &material.model {
+            let reflectance = self.lookup.color(reflectance);
+            return self.tree.push(Node::Diffuse(Diffuse { reflectance }));
+        }
+        if let Some(node) = self.lookup.leaf(id, &material.model) {
+            return self.tree.push(node);
+        }
+        self.nest(id, &material.model, frame, wo)
+    }
+
+    /// Adds a material named by `parent`. Only materials added before it are followed, so that no
+    /// circle can be.
+    fn child(&mut self, parent: MaterialId, id: MaterialId, frame: &Frame, wo: Vec3) -> NodeId {
+        if id >= parent {
+            return self.tree.push(Node::Black);
+        }
+        self.add(id, frame, wo)
+    }
+
+    /// Nodes of a model around others.
+    fn nest(&mut self, id: MaterialId, material: &Material, frame: &Frame, wo: Vec3) -> NodeId {
+        match material {
+            Material::Mask { inner, .. } => self.child(id, *inner, frame, wo),
+            Material::TwoSided { front, .. } if wo.z >= 0.0 => self.child(id, *front, frame, wo),
+            Material::TwoSided { back, .. } => {
+                let flipped = Vec3::new(wo.x, wo.y, -wo.z);
+                let inner = self.child(id, *back, frame, flipped);
+                self.tree.push(Node::Flipped(inner))
+            }
+            Material::BumpMap {
+                displacement,
+                scale,
+                inner,
+            } => {
+                let n = self.bump(displacement, *scale, frame);
+                self.perturbed(id, *inner, n, frame, wo)
+            }
+            Material::NormalMap { normals, inner } => {
+                let n = self.lookup.color(normals) * 2.0 - Vec3::ONE;
+                self.perturbed(id, *inner, n, frame, wo)
+            }
+            Material::Blend {
+                weight,
+                first,
+                second,
+            } => {
+                let w = self.lookup.scalar(weight).clamp(0.0, 1.0);
+                let first = self.child(id, *first, frame, wo);
+                let second = self.child(id, *second, frame, wo);
+                self.tree.push(Node::Mix(Mix {
+                    first,
+                    second,
+                    weights: [1.0 - w, w],
+                    p_first: 1.0 - w,
+                }))
+            }
+            Material::Mixture { parts } => self.mixture(id, parts, frame, wo),
+            _ => self.coated(id, material, frame, wo),
+        }
+    }
+
+    fn perturbed(
+        &mut self,
+        id: MaterialId,
+        inner: MaterialId,
+        n: Vec3,
+        frame: &Frame,
+        wo: Vec3,
+    ) -> NodeId {
+        let p = Perturbation::new(n, wo);
+        let local = p.frame();
+        let turned = Frame {
+            s: frame.to_world(local.s),
+            t: frame.to_world(local.t),
+            n: frame.to_world(local.n),
+        };
+        let inner = self.child(id, inner, &turned, local.to_local(wo));
+        self.tree.push(Node::Perturbed(p, inner))
+    }
+
+    /// The local normal under a displacement texture, whose gradient is a central difference over the
+    /// pixel's width, or over a ten-thousandth of the texture where that is not known: less than a
+    /// texel of an 8k image, and still a thousand times the rounding of f32 texture coordinates.
+    fn bump(&self, displacement: &Texture, scale: f32, frame: &Frame) -> Vec3 {
+        if displacement.constant().is_some() {
+            return Vec3::Z;
+        }
+        let p = self.lookup.point;
+        let step = |axis: Vec3| {
+            let width = 0.5 * p.footprint / axis.length();
+            if width.is_finite() {
+                width.clamp(1e-4, 0.1)
+            } else {
+                1e-4
+            }
+        };
+        let slope = |axis: Vec3, offset: Vec2| {
+            let at = |sign: f32| {
+                let mut moved = *p;
+                moved.uv += offset * sign;
+                moved.p += axis * (sign * offset.length());
+                displacement.eval_scalar(&moved)
+            };
+            scale * (at(1.0) - at(-1.0)) / (2.0 * offset.length())
+        };
+        let du = slope(p.dp_du, Vec2::new(step(p.dp_du), 0.0));
+        let dv = slope(p.dp_dv, Vec2::new(0.0, step(p.dp_dv)));
+        bumped_normal(frame, p.ng, (p.dp_du, p.dp_dv), Vec2::new(du, dv))
+    }
+
+    /// A sum of any number of parts as a chain of sums of two.
+    fn mixture(
+        &mut self,
+        id: MaterialId,
+        parts: &[(f32, MaterialId)],
+        frame: &Frame,
+        wo: Vec3,
+    ) -> NodeId {
+        // Mitsuba scales weights whose sum exceeds 1.
+        let total: f32 = parts.iter().map(|p| p.0.max(0.0)).sum();
+        let scale = 1.0 / total.max(1.0);
+        let mut chain: Option<(NodeId, f32)> = None;
+        for &(weight, part) in parts.iter().rev() {
+            let weight = weight.max(0.0) * scale;
+            let node = self.child(id, part, frame, wo);
+            let (second, rest) = match chain {
+                Some(rest) => rest,
+                None => (self.tree.push(Node::Black), 0.0),
+            };
+            let sum = weight + rest;
+            let tail = if rest > 0.0 { 1.0 } else { 0.0 };
+            let mix = self.tree.push(Node::Mix(Mix {
+                first: node,
+                second,
+                weights: [weight, tail],
+                p_first: if sum > 0.0 { weight / sum } else { 0.0 },
+            }));
+            chain = Some((mix, sum));
+        }
+        match chain {
+            Some((root, _)) => root,
+            None => self.tree.push(Node::Black),
+        }
+    }
+
+    fn coated(&mut self, id: MaterialId, material: &Material, frame: &Frame, wo: Vec3) -> NodeId {
+        match material {
+            Material::Coating {
+                eta,
+                thickness,
+                sigma_a,
+                specular_reflectance,
+                inner,
+            } => {
+                let absorption = self.lookup.color(sigma_a) * *thickness;
+                let layer = Layer::new(
+                    sane_eta(*eta),
+                    absorption,
+                    self.lookup.color(specular_reflectance),
+                );
+                let inner = self.child(id, *inner, frame, layer.inside(wo));
+                self.tree.push(Node::Coating(Coating { layer }, inner))
+            }
+            Material::RoughCoating {
+                eta,
+                roughness,
+                thickness,
+                sigma_a,
+                specular_reflectance,
+                inner,
+            } => {
+                let Some(table) = self.lookup.materials.transmittance(id) else {
+                    return self.tree.push(Node::Black);
+                };
+                let absorption = self.lookup.color(sigma_a) * *thickness;
+                let layer = Layer::new(
+                    sane_eta(*eta),
+                    absorption,
+                    self.lookup.color(specular_reflectance),
+                );
+                let facets = self.lookup.coat(roughness);
+                let inner = self.child(id, *inner, frame, layer.inside(wo));
+                let coating = RoughCoating {
+                    layer,
+                    facets,
+                    table,
+                };
+                self.tree.push(Node::RoughCoating(coating, inner))
+            }
+            _ => self.tree.push(Node::Black),
+        }
+    }
+}

@@ -1,0 +1,254 @@
+//! Models inside models, without a heap: a resolved material is a short array of [`Node`]s in which
+//! blends, coatings and perturbed frames name their children by index.
+//!
+//! Nearly every material is one node, or two with a bump map; the array holds [`INLINE`] of them in
+//! place and goes to the heap only for deeper nests.
+
+use super::layer::{Coating, RoughCoating};
+use super::lobes::conductor::{Conductor, RoughConductor};
+use super::lobes::dielectric::{Dielectric, Null, ThinDielectric};
+use super::lobes::diffuse::{Diffuse, DiffuseTransmitter, RoughDiffuse};
+use super::lobes::phong::Phong;
+use super::lobes::plastic::Plastic;
+use super::lobes::principled::Principled;
+use super::lobes::principled_sheet::PrincipledSheet;
+use super::lobes::rough_dielectric::RoughDielectric;
+use super::lobes::rough_plastic::RoughPlastic;
+use super::lobes::ward::Ward;
+use super::lobes::{Lobe, weighted};
+use super::perturb::Perturbation;
+use super::{BsdfSample, LobeFlags, Transport};
+use crate::math::{Rgb, Vec2, Vec3};
+use smallvec::SmallVec;
+
+/// Nodes held in place.
+pub(super) const INLINE: usize = 4;
+
+/// Index of a node in its tree.
+pub(super) type NodeId = u16;
+
+/// A model, or a way to combine models.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Node {
+    Diffuse(Diffuse),
+    RoughDiffuse(RoughDiffuse),
+    DiffuseTransmitter(DiffuseTransmitter),
+    Dielectric(Dielectric),
+    ThinDielectric(ThinDielectric),
+    RoughDielectric(RoughDielectric),
+    Null(Null),
+    Conductor(Conductor),
+    RoughConductor(RoughConductor),
+    Plastic(Plastic),
+    RoughPlastic(RoughPlastic),
+    Phong(Phong),
+    Ward(Ward),
+    Principled(Principled),
+    PrincipledSheet(PrincipledSheet),
+    /// Absorbs everything.
+    Black,
+    /// A model seen from its back as if that were its front.
+    Flipped(NodeId),
+    /// A model in a frame turned by a bump or normal map.
+    Perturbed(Perturbation, NodeId),
+    Mix(Mix),
+    Coating(Coating, NodeId),
+    RoughCoating(RoughCoating, NodeId),
+}
+
+/// A weighted sum of two models.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Mix {
+    pub first: NodeId,
+    pub second: NodeId,
+    /// Factors on their values.
+    pub weights: [f32; 2],
+    /// Probability of sampling the first.
+    pub p_first: f32,
+}
+
+/// Runs an expression on a node that is a model by itself.
+macro_rules! with_lobe {
+    ($node:expr, $lobe:ident => $result:expr, $($others:tt)*) => {
+        match $node {
+            Node::Diffuse($lobe) => $result,
+            Node::RoughDiffuse($lobe) => $result,
+            Node::DiffuseTransmitter($lobe) => $result,
+            Node::Dielectric($lobe) => $result,
+            Node::ThinDielectric($lobe) => $result,
+            Node::RoughDielectric($lobe) => $result,
+            Node::Null($lobe) => $result,
+            Node::Conductor($lobe) => $result,
+            Node::RoughConductor($lobe) => $result,
+            Node::Plastic($lobe) => $result,
+            Node::RoughPlastic($lobe) => $result,
+            Node::Phong($lobe) => $result,
+            Node::Ward($lobe) => $result,
+            Node::Principled($lobe) => $result,
+            Node::PrincipledSheet($lobe) => $result,
+            $($others)*
+        }
+    };
+}
+
+/// The nodes of a resolved material, children before parents.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Tree {
+    nodes: SmallVec<[Node; INLINE]>,
+}
+
+/// Mirrors a direction in the surface.
+#[inline]
+fn flip(w: Vec3) -> Vec3 {
+    Vec3::new(w.x, w.y, -w.z)
+}
+
+impl Tree {
+    /// Adds a node and returns its index. Nests too deep for the index absorb.
+    #[inline(always)]
+    pub fn push(&mut self, node: Node) -> NodeId {
+        if self.nodes.len() >= usize::from(NodeId::MAX) {
+            self.nodes[0] = Node::Black;
+            return 0;
+        }
+        self.nodes.push(node);
+        (self.nodes.len() - 1) as NodeId
+    }
+
+    /// Whether a bump or normal map is anywhere inside.
+    #[inline]
+    pub fn turns_normal(&self) -> bool {
+        self.nodes.iter().any(|n| matches!(n, Node::Perturbed(..)))
+    }
+
+    /// The node that stands for the whole material: the last.
+    #[inline]
+    pub fn root(&self) -> NodeId {
+        self.nodes.len().saturating_sub(1) as NodeId
+    }
+
+    #[inline]
+    fn node(&self, id: NodeId) -> &Node {
+        self.nodes.get(usize::from(id)).unwrap_or(&Node::Black)
+    }
+
+    /// `f |cos theta_i|` and density of the node, in its local frame.
+    pub fn eval_pdf(&self, id: NodeId, wo: Vec3, wi: Vec3, transport: Transport) -> (Rgb, f32) {
+        with_lobe!(self.node(id), lobe => lobe.eval_pdf(wo, wi, transport),
+            Node::Black => (Rgb::ZERO, 0.0),
+            &Node::Flipped(inner) => self.eval_pdf(inner, flip(wo), flip(wi), transport),
+            Node::Perturbed(p, inner) => p.eval_pdf(self, *inner, wo, wi, transport),
+            Node::Mix(mix) => self.eval_mix(mix, wo, wi, transport),
+            Node::Coating(c, inner) => c.eval_pdf(self, *inner, wo, wi, transport),
+            Node::RoughCoating(c, inner) => c.eval_pdf(self, *inner, wo, wi, transport),
+        )
+    }
+
+    /// Draws a local direction from the node.
+    pub fn sample(
+        &self,
+        id: NodeId,
+        wo: Vec3,
+        u_lobe: f32,
+        u: Vec2,
+        transport: Transport,
+    ) -> Option<BsdfSample> {
+        with_lobe!(self.node(id), lobe => lobe.sample(wo, u_lobe, u, transport),
+            Node::Black => None,
+            &Node::Flipped(inner) => {
+                let s = self.sample(inner, flip(wo), u_lobe, u, transport)?;
+                Some(BsdfSample { wi: flip(s.wi), ..s })
+            }
+            Node::Perturbed(p, inner) => p.sample(self, *inner, wo, (u_lobe, u), transport),
+            Node::Mix(mix) => self.sample_mix(mix, wo, u_lobe, u, transport),
+            Node::Coating(c, inner) => c.sample(self, *inner, wo, (u_lobe, u), transport),
+            Node::RoughCoating(c, inner) => c.sample(self, *inner, wo, (u_lobe, u), transport),
+        )
+    }
+
+    fn eval_mix(&self, mix: &Mix, wo: Vec3, wi: Vec3, transport: Transport) -> (Rgb, f32) {
+        let (a, p_a) = self.eval_pdf(mix.first, wo, wi, transport);
+        let (b, p_b) = self.eval_pdf(mix.second, wo, wi, transport);
+        let value = a * mix.weights[0] + b * mix.weights[1];
+        (value, p_a * mix.p_first + p_b * (1.0 - mix.p_first))
+    }
+
+    /// One model is drawn from; a smooth direction is weighted by the whole mixture.
+    fn sample_mix(
+        &self,
+        mix: &Mix,
+        wo: Vec3,
+        u_lobe: f32,
+        u: Vec2,
+        transport: Transport,
+    ) -> Option<BsdfSample> {
+        let p = mix.p_first;
+        let (id, other, weight, p_id, rescaled) = if u_lobe < p {
+            (mix.first, mix.second, mix.weights, p, u_lobe / p)
+        } else {
+            let [a, b] = mix.weights;
+            let rest = (u_lobe - p) / (1.0 - p);
+            (mix.second, mix.first, [b, a], 1.0 - p, rest)
+        };
+        let s = self.sample(id, wo, rescaled.min(BELOW_ONE), u, transport)?;
+        if s.lobe.has(LobeFlags::DELTA) {
+            return weighted(
+                s.wi,
+                s.weight * (weight[0] / p_id),
+                s.pdf * p_id,
+                s.eta,
+                s.lobe,
+            );
+        }
+        let (value, other_pdf) = self.eval_pdf(other, wo, s.wi, transport);
+        let pdf = p_id * s.pdf + (1.0 - p_id) * other_pdf;
+        let value = s.weight * (s.pdf * weight[0]) + value * weight[1];
+        weighted(s.wi, value / pdf, pdf, s.eta, s.lobe)
+    }
+
+    /// What the node does.
+    pub fn flags(&self, id: NodeId) -> LobeFlags {
+        with_lobe!(self.node(id), lobe => lobe.flags(),
+            Node::Black => LobeFlags::default(),
+            &Node::Flipped(inner) | &Node::Perturbed(_, inner) => self.flags(inner),
+            Node::Mix(mix) => self.flags(mix.first) | self.flags(mix.second),
+            Node::Coating(_, inner) => self.flags(*inner) | Coating::FLAGS,
+            Node::RoughCoating(_, inner) => self.flags(*inner) | RoughCoating::FLAGS,
+        )
+    }
+
+    /// The node's colour.
+    pub fn albedo(&self, id: NodeId) -> Rgb {
+        with_lobe!(self.node(id), lobe => lobe.albedo(),
+            Node::Black => Rgb::ZERO,
+            &Node::Flipped(inner) | &Node::Perturbed(_, inner) => self.albedo(inner),
+            Node::Mix(mix) => {
+                let [a, b] = mix.weights;
+                self.albedo(mix.first) * a + self.albedo(mix.second) * b
+            }
+            &Node::Coating(_, inner) | &Node::RoughCoating(_, inner) => self.albedo(inner),
+        )
+    }
+
+    /// Smallest roughness of the node's smooth parts.
+    pub fn roughness(&self, id: NodeId) -> Option<f32> {
+        with_lobe!(self.node(id), lobe => lobe.roughness(),
+            Node::Black => None,
+            &Node::Flipped(inner)
+            | &Node::Perturbed(_, inner)
+            | &Node::Coating(_, inner) => self.roughness(inner),
+            Node::Mix(mix) => smaller(self.roughness(mix.first), self.roughness(mix.second)),
+            Node::RoughCoating(c, inner) => smaller(Some(c.alpha()), self.roughness(*inner)),
+        )
+    }
+}
+
+/// The largest f32 below 1, where a rescaled random number may round up to 1.
+pub(super) const BELOW_ONE: f32 = 1.0 - f32::EPSILON * 0.5;
+
+fn smaller(a: Option<f32>, b: Option<f32>) -> Option<f32> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(a.min(b)),
+        (a, b) => a.or(b),
+    }
+}

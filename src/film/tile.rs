@@ -1,0 +1,125 @@
+//! Pixels and the tiles they are stored in.
+
+use crate::math::{Rgb, Vec3};
+
+/// Width and height of a tile in pixels.
+pub const TILE_SIZE: u32 = 16;
+
+/// What one sample gives a pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sample {
+    /// Radiance.
+    pub radiance: Rgb,
+    /// Weight by the reconstruction filter; of either sign.
+    pub weight: f32,
+    /// Reflectance of the first surface.
+    pub albedo: Rgb,
+    /// Its shading normal, world space.
+    pub normal: Vec3,
+    /// Its distance; 0 where nothing was met.
+    pub depth: f32,
+}
+
+/// Sums over the samples of a pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pixel {
+    /// Sum of weight times radiance.
+    pub radiance: [f64; 3],
+    /// Sum of its squares.
+    pub squares: [f64; 3],
+    /// Sum of weights.
+    pub weight: f64,
+    /// Samples, those dropped not counted.
+    pub count: u64,
+    /// Sum of reflectances.
+    pub albedo: [f64; 3],
+    /// Sum of normals.
+    pub normal: [f64; 3],
+    /// Sum of distances of the samples that met something.
+    pub depth: f64,
+    /// Samples that met something.
+    pub met: u64,
+}
+
+impl Pixel {
+    /// Adds a finite sample.
+    #[inline]
+    pub fn add(&mut self, s: &Sample) {
+        let weighted = s.radiance * s.weight;
+        for c in 0..3 {
+            let value = f64::from(weighted[c]);
+            self.radiance[c] += value;
+            self.squares[c] += value * value;
+            self.albedo[c] += f64::from(s.albedo[c]);
+            self.normal[c] += f64::from(s.normal[c]);
+        }
+        self.weight += f64::from(s.weight);
+        self.count += 1;
+        if s.depth > 0.0 {
+            self.depth += f64::from(s.depth);
+            self.met += 1;
+        }
+    }
+
+    /// The pixel's radiance: weighted by the filter; 0 without samples.
+    pub fn mean(&self) -> [f64; 3] {
+        let scale = if self.weight > 0.0 {
+            1.0 / self.weight
+        } else {
+            0.0
+        };
+        self.radiance.map(|sum| sum * scale)
+    }
+
+    /// Variance of [`Pixel::mean`] over renders with other seeds, estimated from the spread of the
+    /// samples; 0 with fewer than two.
+    pub fn variance_of_mean(&self) -> [f64; 3] {
+        if self.count < 2 {
+            return [0.0; 3];
+        }
+        let n = self.count as f64;
+        std::array::from_fn(|c| {
+            let mean = self.radiance[c] / n;
+            (self.squares[c] / n - mean * mean).max(0.0) / (n - 1.0)
+        })
+    }
+}
+
+/// A rectangle of pixels: what one task renders.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tile {
+    /// Left edge on the full film.
+    pub x0: u32,
+    /// Upper edge on the full film.
+    pub y0: u32,
+    /// Width, at most [`TILE_SIZE`].
+    pub width: u32,
+    /// Height, at most [`TILE_SIZE`].
+    pub height: u32,
+    /// Row by row.
+    pub pixels: Vec<Pixel>,
+    /// Samples dropped because they were not finite.
+    pub invalid: u64,
+    /// The first of them: x, y, sample.
+    pub first_invalid: Option<(u32, u32, u64)>,
+}
+
+impl Tile {
+    /// Adds sample number `index` of the tile's pixel `i`. One that is not finite is dropped and counted.
+    #[inline]
+    pub fn add(&mut self, i: usize, index: u64, sample: &Sample) {
+        let finite =
+            sample.radiance.is_finite() & sample.albedo.is_finite() & sample.normal.is_finite();
+        if finite {
+            self.pixels[i].add(sample);
+            return;
+        }
+        self.invalid += 1;
+        let place = (
+            self.x0 + i as u32 % self.width,
+            self.y0 + i as u32 / self.width,
+            index,
+        );
+        self.first_invalid.get_or_insert(place);
+    }
+}

@@ -1,0 +1,121 @@
+//! How often to trust the field: the probability of sampling the field instead of the BSDF, learned
+//! for each cell of R.
+//!
+//! The mixture q = a p_field + (1 - a) p_bsdf should be proportional to f = BSDF * radiance * cosine.
+//! The gradient of the KL divergence between the two is estimated from the samples themselves
+//! (Mueller 2019, course notes "Path guiding in production", chapter 10): for a direction sampled
+//! with density q and value f, dKL/da = -(f/q) (p_field - p_bsdf) / q. It is followed by Adam on the
+//! logit of a, with a weak pull towards 1/2.
+
+use super::field::Field;
+use super::record::weight;
+use crate::math::{Rgb, Vec3};
+
+/// Bounds of the fraction: neither strategy may vanish.
+pub const FLOOR: f32 = 0.1;
+
+const RATE: f64 = 0.01;
+const BETA1: f64 = 0.9;
+const BETA2: f64 = 0.999;
+const DECAY: f64 = 0.01;
+
+/// What one direction, sampled during rendering or training, tells about the mixture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FractionRecord {
+    /// The shading point.
+    pub position: Vec3,
+    /// Its normal.
+    pub normal: Vec3,
+    /// BSDF times cosine times the estimate of incident radiance along the direction.
+    pub value: Rgb,
+    /// Density with which it was sampled (the mixture's).
+    pub pdf: f32,
+    /// The field's density for it.
+    pub guide_pdf: f32,
+    /// The BSDF's density for it.
+    pub bsdf_pdf: f32,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Adam {
+    logit: f64,
+    mean: f64,
+    square: f64,
+    steps: u32,
+}
+
+impl Adam {
+    fn step(&mut self, gradient: f64) {
+        self.steps = self.steps.saturating_add(1);
+        let n = self.steps.min(1 << 20) as i32;
+        self.mean += (1.0 - BETA1) * (gradient - self.mean);
+        self.square += (1.0 - BETA2) * (gradient * gradient - self.square);
+        let m = self.mean / (1.0 - BETA1.powi(n));
+        let v = self.square / (1.0 - BETA2.powi(n));
+        self.logit = (self.logit - RATE * m / (v.sqrt() + 1e-8)).clamp(-20.0, 20.0);
+    }
+}
+
+/// The learned fractions of one field's cells.
+///
+/// Updates happen in the order of the records, cell by cell, so the same records give the same bits.
+/// For an unbiased image update only between passes, never from the pass that is being drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fractions {
+    cells: Vec<Adam>,
+}
+
+impl Fractions {
+    /// One half everywhere.
+    pub fn new(field: &Field) -> Self {
+        Self {
+            cells: vec![Adam::default(); field.cell_count() as usize],
+        }
+    }
+
+    /// Probability of sampling the field in a cell (see [`Field::cell`]), within
+    /// [`FLOOR`] and 1 - [`FLOOR`]. A cell of another field gives 1/2.
+    #[inline]
+    pub fn fraction(&self, cell: u32) -> f32 {
+        let Some(c) = self.cells.get(cell as usize) else {
+            return 0.5;
+        };
+        (sigmoid(c.logit) as f32).clamp(FLOOR, 1.0 - FLOOR)
+    }
+
+    /// Learns from a batch. Records with numbers that are not finite are ignored.
+    pub fn update(&mut self, field: &Field, records: &[FractionRecord]) {
+        let mut order: Vec<(u32, u32)> = records
+            .iter()
+            .enumerate()
+            .map(|(i, r)| (field.cell(r.position, r.normal), i as u32))
+            .collect();
+        order.sort_unstable();
+        for (cell, i) in order {
+            let r = &records[i as usize];
+            let f = f64::from(weight(r.value));
+            let (p, guide, bsdf) = (
+                f64::from(r.pdf),
+                f64::from(r.guide_pdf),
+                f64::from(r.bsdf_pdf),
+            );
+            let Some(adam) = self.cells.get_mut(cell as usize) else {
+                continue;
+            };
+            if !(p > 0.0 && f >= 0.0 && (guide + bsdf + f + p).is_finite()) {
+                continue;
+            }
+            let a = sigmoid(adam.logit);
+            let mixture = a * guide + (1.0 - a) * bsdf;
+            if mixture <= 0.0 {
+                continue;
+            }
+            let gradient = -(f / p) * (guide - bsdf) / mixture;
+            adam.step(gradient * a * (1.0 - a) + DECAY * adam.logit);
+        }
+    }
+}
+
+fn sigmoid(x: f64) -> f64 {
+    1.0 / (1.0 + (-x).exp())
+}

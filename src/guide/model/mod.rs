@@ -1,0 +1,360 @@
+//! Local models: how light is spread over directions inside one link.
+//!
+//! A model is constant along space (the paper's restriction), is sampled and evaluated on its
+//! direction cell and integrates to one over it, so that the link's flux *is* its marginal; the tree
+//! keeps that as RGB for every model alike. Model statistics are integers while records come in, so
+//! that they add exactly; floating point enters in [`LocalModel::refit`], once a link and round.
+//!
+//! A new model is a file with an implementation of [`LocalModel`] and one line in [`local_models!`].
+
+mod constant;
+mod lobe;
+mod vmf;
+
+pub(crate) use constant::Constant;
+pub(crate) use vmf::Vmf;
+
+use super::file::{Reader, Writer};
+use super::links::Link;
+use super::record::Deposit;
+use super::settings::Product;
+use super::tally::{Table, Tally, add_to_table};
+use crate::math::equal_area::{CODE_LEVELS, DirectionCell};
+use crate::math::sum::SumUnit;
+use crate::math::{Vec2, Vec3};
+use serde::{Deserialize, Serialize};
+
+/// The link a model lives on, as far as models care.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Region {
+    /// Centre of its cell of R: models with parallax aim from here.
+    pub centre: Vec3,
+}
+
+/// Where and how a model is asked.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Query {
+    /// The shading point.
+    pub position: Vec3,
+    /// Its normal, if the caller wants it to count.
+    pub normal: Option<Vec3>,
+    /// What the normal does.
+    pub product: Product,
+}
+
+/// A distribution of directions on one link.
+pub(crate) trait LocalModel {
+    /// Every link's direction cell has at least this level.
+    const BASE_LEVEL: u8;
+    /// Levels below the link's own that its table of sub-fluxes resolves (1 or 2).
+    const TABLE_LEVELS: u8;
+    /// Whether refining may divide directions; if not, P divides space alone.
+    const SPLITS_DIRECTIONS: bool;
+    /// Records a link must have seen before it is divided, if the settings ask for fewer.
+    const SPLIT_RECORDS: u32;
+    /// Training state.
+    type Stats: Clone + Default + PartialEq + Send + Sync + std::fmt::Debug;
+    /// Compact form for sampling.
+    type Frozen: Clone + Send + Sync + std::fmt::Debug;
+
+    /// Adds a record, by integers only.
+    fn train(stats: &mut Self::Stats, region: &Region, deposit: &Deposit);
+    /// Takes what was added since the last call into the model's parameters.
+    fn refit(stats: &mut Self::Stats, region: &Region, table: &Table);
+    /// The state a child starts with.
+    fn split(parent: &Self::Stats, from: &Region, to: &Region) -> Self::Stats;
+    /// Adds what another copy of this model was trained with since their last common refit; false if
+    /// the two were refitted apart.
+    fn merge(into: &mut Self::Stats, other: &Self::Stats) -> bool;
+    /// Forgets what was added since the last refit; the parameters stay.
+    fn clear(stats: &mut Self::Stats);
+    /// The model for sampling.
+    fn freeze(stats: &Self::Stats, region: &Region) -> Self::Frozen;
+    /// A direction inside the cell.
+    fn sample(frozen: &Self::Frozen, q: DirectionCell, query: &Query, u: Vec2) -> Vec3;
+    /// Solid-angle density of [`LocalModel::sample`] at a direction of the cell.
+    fn pdf(frozen: &Self::Frozen, q: DirectionCell, query: &Query, w: Vec3) -> f32;
+    /// Appends the state to a file.
+    fn write(stats: &Self::Stats, out: &mut Writer);
+    /// Reads what `write` wrote.
+    fn read(input: &mut Reader) -> Option<Self::Stats>;
+}
+
+/// Facts about a model that the tree needs.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Traits {
+    pub base_level: u8,
+    pub table_levels: u8,
+    pub splits_directions: bool,
+    pub stats_bytes: usize,
+    pub split_records: u32,
+}
+
+/// Where a chunk of sorted records goes: consecutive links from number `first` on.
+pub(crate) struct Slots<'a, S> {
+    pub first: u32,
+    pub tallies: &'a mut [Tally],
+    pub table: &'a mut [u32],
+    pub stats: &'a mut [S],
+}
+
+/// What every chunk reads.
+pub(crate) struct Batch<'a> {
+    pub deposits: &'a [Deposit],
+    pub links: &'a [Link],
+    pub regions: &'a (dyn Fn(&Link) -> Region + Sync),
+    pub octant: &'a (dyn Fn(&Link, u64) -> u32 + Sync),
+    pub unit: SumUnit,
+    pub from_paths: bool,
+    /// Whether these records fill the tables and models.
+    pub shapes: bool,
+    /// The records have been counted before: they only fill the tables of the links marked here.
+    pub again: Option<&'a [bool]>,
+}
+
+/// Adds the records `order` (link number in the upper half, record in the lower; sorted) to their
+/// links. Chunks are cut between links, so each link is added to by one task in record order: no
+/// locks, and no dependence on threads even for sums that were not associative.
+fn accumulate<M: LocalModel>(batch: &Batch, order: &[u64], slots: Slots<M::Stats>) {
+    const CHUNK: usize = 8192;
+    let middle_link = order.get(order.len() / 2).map_or(0, |o| (o >> 32) as u32);
+    if order.len() > CHUNK && middle_link > slots.first {
+        let cut = order.partition_point(|o| ((o >> 32) as u32) < middle_link);
+        let at = (middle_link - slots.first) as usize;
+        let stride = slots.table.len() / slots.tallies.len();
+        let (ta, tb) = slots.tallies.split_at_mut(at);
+        let (ba, bb) = slots.table.split_at_mut(at * stride);
+        let (sa, sb) = slots.stats.split_at_mut(at);
+        let low = Slots {
+            first: slots.first,
+            tallies: ta,
+            table: ba,
+            stats: sa,
+        };
+        let high = Slots {
+            first: middle_link,
+            tallies: tb,
+            table: bb,
+            stats: sb,
+        };
+        rayon::join(
+            || accumulate::<M>(batch, &order[..cut], low),
+            || accumulate::<M>(batch, &order[cut..], high),
+        );
+        return;
+    }
+    accumulate_chunk::<M>(batch, order, slots);
+}
+
+fn accumulate_chunk<M: LocalModel>(batch: &Batch, order: &[u64], slots: Slots<M::Stats>) {
+    let fine = 1usize << (2 * M::TABLE_LEVELS);
+    let stride = 8 * fine;
+    for run in order.chunk_by(|a, b| a >> 32 == b >> 32) {
+        let number = (run[0] >> 32) as usize;
+        if batch.again.is_some_and(|fresh| !fresh[number]) {
+            continue;
+        }
+        let link = &batch.links[number];
+        let region = (batch.regions)(link);
+        let i = number - slots.first as usize;
+        let tally = &mut slots.tallies[i];
+        let table = &mut slots.table[i * stride..(i + 1) * stride];
+        let down = 2 * u32::from(CODE_LEVELS - link.q.level() - M::TABLE_LEVELS);
+        for o in run {
+            let d = &batch.deposits[*o as u32 as usize];
+            let cell = (batch.octant)(link, d.key) as usize * fine
+                + ((d.code >> down) as usize & (fine - 1));
+            if batch.again.is_some() {
+                add_to_table(tally, table, cell, d);
+                continue;
+            }
+            if batch.from_paths {
+                tally.paths.add(batch.unit, d.value);
+            } else {
+                tally.photons.add(batch.unit, d.value);
+            }
+            if !batch.shapes {
+                continue;
+            }
+            tally.count += 1;
+            add_to_table(tally, table, cell, d);
+            M::train(&mut slots.stats[i], &region, d);
+        }
+    }
+}
+
+/// Generates the run-time choice between models: each entry is `Name => Type`.
+macro_rules! local_models {
+    ($(#[$doc:meta])* $first:ident => $first_model:ty $(, $(#[$docs:meta])* $kind:ident => $model:ty)* $(,)?) => {
+        /// Which local model a field uses.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+        #[serde(rename_all = "kebab-case")]
+        pub enum ModelKind { $(#[$doc])* #[default] $first $(, $(#[$docs])* $kind)* }
+
+        impl ModelKind {
+            /// Every kind, for tables and command lines.
+            pub const ALL: &'static [ModelKind] = &[ModelKind::$first $(, ModelKind::$kind)*];
+
+            pub(crate) fn traits(self) -> Traits {
+                match self {
+                    ModelKind::$first => traits::<$first_model>()
+                    $(, ModelKind::$kind => traits::<$model>())*
+                }
+            }
+        }
+
+        /// One model's training states, a link each.
+        #[derive(Clone, Debug, PartialEq)]
+        pub(crate) enum StatSet {
+            $first(Vec<<$first_model as LocalModel>::Stats>)
+            $(, $kind(Vec<<$model as LocalModel>::Stats>))*
+        }
+
+        impl StatSet {
+            pub fn new(kind: ModelKind) -> Self {
+                match kind {
+                    ModelKind::$first => Self::$first(vec![Default::default()])
+                    $(, ModelKind::$kind => Self::$kind(vec![Default::default()]))*
+                }
+            }
+            pub fn accumulate(&mut self, batch: &Batch, order: &[u64], tallies: &mut [Tally], table: &mut [u32]) {
+                match self {
+                    Self::$first(stats) => accumulate::<$first_model>(batch, order, Slots { first: 0, tallies, table, stats })
+                    $(, Self::$kind(stats) => accumulate::<$model>(batch, order, Slots { first: 0, tallies, table, stats }))*
+                }
+            }
+            /// The link was divided: child 0 keeps the number, the others are appended.
+            pub fn split(&mut self, link: u32, from: &Region, to: &[Region]) {
+                match self {
+                    Self::$first(stats) => split::<$first_model>(stats, link, from, to)
+                    $(, Self::$kind(stats) => split::<$model>(stats, link, from, to))*
+                }
+            }
+            pub fn refit(&mut self, regions: &(dyn Fn(u32) -> Region + Sync), table: &[u32]) {
+                match self {
+                    Self::$first(stats) => refit::<$first_model>(stats, regions, table)
+                    $(, Self::$kind(stats) => refit::<$model>(stats, regions, table))*
+                }
+            }
+            pub fn merge(&mut self, link: u32, other: &Self, other_link: u32) -> bool {
+                match (self, other) {
+                    (Self::$first(a), Self::$first(b)) =>
+                        <$first_model>::merge(&mut a[link as usize], &b[other_link as usize]),
+                    $((Self::$kind(a), Self::$kind(b)) =>
+                        <$model>::merge(&mut a[link as usize], &b[other_link as usize]),)*
+                    #[allow(unreachable_patterns)]
+                    _ => false,
+                }
+            }
+            pub fn freeze(&self, links: &[u32], regions: &(dyn Fn(u32) -> Region + Sync)) -> FrozenSet {
+                match self {
+                    Self::$first(s) => FrozenSet::$first(links.iter().map(|&l| <$first_model>::freeze(&s[l as usize], &regions(l))).collect())
+                    $(, Self::$kind(s) => FrozenSet::$kind(links.iter().map(|&l| <$model>::freeze(&s[l as usize], &regions(l))).collect()))*
+                }
+            }
+            pub fn write(&self, link: u32, out: &mut Writer) {
+                match self {
+                    Self::$first(s) => <$first_model>::write(&s[link as usize], out)
+                    $(, Self::$kind(s) => <$model>::write(&s[link as usize], out))*
+                }
+            }
+            /// Reads the states of all links, which the file holds in the order `links`.
+            pub fn read(kind: ModelKind, links: &[u32], input: &mut Reader) -> Option<Self> {
+                match kind {
+                    ModelKind::$first => read::<$first_model>(links, input).map(Self::$first)
+                    $(, ModelKind::$kind => read::<$model>(links, input).map(Self::$kind))*
+                }
+            }
+            /// Forgets what was trained since the last refit.
+            pub fn clear(&mut self) {
+                match self {
+                    Self::$first(s) => s.iter_mut().for_each(<$first_model>::clear)
+                    $(, Self::$kind(s) => s.iter_mut().for_each(<$model>::clear))*
+                }
+            }
+        }
+
+        /// One model's frozen forms.
+        #[derive(Clone, Debug)]
+        pub(crate) enum FrozenSet {
+            $first(Vec<<$first_model as LocalModel>::Frozen>)
+            $(, $kind(Vec<<$model as LocalModel>::Frozen>))*
+        }
+
+        impl FrozenSet {
+            #[inline]
+            pub fn sample(&self, model: u32, q: DirectionCell, query: &Query, u: Vec2) -> Vec3 {
+                match self {
+                    Self::$first(m) => <$first_model>::sample(&m[model as usize], q, query, u)
+                    $(, Self::$kind(m) => <$model>::sample(&m[model as usize], q, query, u))*
+                }
+            }
+            #[inline]
+            pub fn pdf(&self, model: u32, q: DirectionCell, query: &Query, w: Vec3) -> f32 {
+                match self {
+                    Self::$first(m) => <$first_model>::pdf(&m[model as usize], q, query, w)
+                    $(, Self::$kind(m) => <$model>::pdf(&m[model as usize], q, query, w))*
+                }
+            }
+            pub fn bytes(&self) -> usize {
+                match self {
+                    Self::$first(m) => std::mem::size_of_val(m.as_slice())
+                    $(, Self::$kind(m) => std::mem::size_of_val(m.as_slice()))*
+                }
+            }
+        }
+    };
+}
+
+local_models! {
+    /// Uniform over the link's direction cell: the paper's model.
+    Constant => Constant,
+    /// A mixture of von Mises-Fisher lobes over the whole sphere, one a cell of R, with parallax.
+    Vmf => Vmf,
+}
+
+fn traits<M: LocalModel>() -> Traits {
+    Traits {
+        base_level: M::BASE_LEVEL,
+        table_levels: M::TABLE_LEVELS,
+        splits_directions: M::SPLITS_DIRECTIONS,
+        stats_bytes: size_of::<M::Stats>(),
+        split_records: M::SPLIT_RECORDS,
+    }
+}
+
+fn split<M: LocalModel>(stats: &mut Vec<M::Stats>, link: u32, from: &Region, to: &[Region]) {
+    let parent = stats[link as usize].clone();
+    for (i, region) in to.iter().enumerate() {
+        let child = M::split(&parent, from, region);
+        if i == 0 {
+            stats[link as usize] = child;
+        } else {
+            stats.push(child);
+        }
+    }
+}
+
+fn read<M: LocalModel>(links: &[u32], input: &mut Reader) -> Option<Vec<M::Stats>> {
+    let mut stats = vec![M::Stats::default(); links.len()];
+    for &l in links {
+        *stats.get_mut(l as usize)? = M::read(input)?;
+    }
+    Some(stats)
+}
+
+fn refit<M: LocalModel>(
+    stats: &mut [M::Stats],
+    regions: &(dyn Fn(u32) -> Region + Sync),
+    table: &[u32],
+) {
+    use rayon::prelude::*;
+    if size_of::<M::Stats>() == 0 {
+        return;
+    }
+    let stride = 8usize << (2 * M::TABLE_LEVELS);
+    stats.par_iter_mut().enumerate().for_each(|(i, s)| {
+        let entries = &table[i * stride..(i + 1) * stride];
+        M::refit(s, &regions(i as u32), &Table { entries });
+    });
+}

@@ -1,0 +1,306 @@
+//! *Refine*: split links where a split lowers the KL divergence between flux and model the most.
+//!
+//! A leaf link is modelled as uniform over its area and solid angle. If its flux phi is spread over
+//! the parts of a split by shares p_c where uniformity would expect m_c, splitting lowers the
+//! divergence by phi * D with D = sum_c p_c ln(p_c / m_c). From n records, D comes out too large by
+//! (k - 1) / 2n on average (2 n D is chi-square distributed with k - 1 degrees of freedom when there
+//! is nothing to gain), which is subtracted, and a gain counts only where 2 n D exceeds its mean by
+//! `significance` standard deviations. n is the *effective* count (sum w)^2 / sum w^2.
+//!
+//! Three gains are compared per byte: dividing space, dividing directions, and both at once (a light
+//! that wanders across a cell as one moves shows in neither marginal); a joint gain is realised by
+//! dividing space first. The best are taken until memory is used up.
+
+use super::links::Split;
+use super::space::Space;
+use super::train::{NODE_BYTES, SPACE_BYTES, Trainer};
+use rayon::prelude::*;
+
+/// What a round of refining did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Refined {
+    /// Links divided in space.
+    pub space: u64,
+    /// Links divided in direction.
+    pub direction: u64,
+    /// Significant splits that did not fit into the memory any more.
+    pub refused: u64,
+    /// Gain of the splits made: the expected fall of the KL divergence, as a share of all flux.
+    pub gain: f64,
+}
+
+struct Candidate {
+    link: u32,
+    split: Split,
+    per_byte: f64,
+    gain: f64,
+    /// The link's place, independent of the order in which links were made.
+    name: (u64, u8, u32, u8),
+}
+
+/// A divergence and its degrees of freedom.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Divergence {
+    nats: f64,
+    freedom: f64,
+}
+
+impl Divergence {
+    /// D without its bias, or 0 where chance explains it.
+    fn significant(self, n: f64, z: f64) -> f64 {
+        if self.freedom <= 0.0 || n <= 0.0 {
+            return 0.0;
+        }
+        let statistic = 2.0 * n * self.nats;
+        if statistic <= self.freedom + z * (2.0 * self.freedom).sqrt() {
+            return 0.0;
+        }
+        self.nats - self.freedom / (2.0 * n)
+    }
+}
+
+/// D between flux shares and measure shares. Parts without measure take no part unless flux was met
+/// there; then half of the smallest other measure stands in.
+fn divergence(flux: &[f64], measure: &[f64]) -> Divergence {
+    let smallest = measure
+        .iter()
+        .copied()
+        .filter(|m| *m > 0.0)
+        .fold(f64::INFINITY, f64::min);
+    let fallback = if smallest.is_finite() {
+        0.5 * smallest
+    } else {
+        1.0
+    };
+    let used = |f: f64, m: f64| {
+        if m > 0.0 {
+            m
+        } else if f > 0.0 {
+            fallback
+        } else {
+            0.0
+        }
+    };
+    let (mut f_sum, mut m_sum, mut parts) = (0.0, 0.0, 0.0);
+    for (&f, &m) in flux.iter().zip(measure) {
+        let m = used(f, m);
+        f_sum += f;
+        m_sum += m;
+        parts += f64::from(u8::from(m > 0.0));
+    }
+    if f_sum <= 0.0 {
+        return Divergence {
+            nats: 0.0,
+            freedom: 0.0,
+        };
+    }
+    let nats = flux
+        .iter()
+        .zip(measure)
+        .filter(|(f, _)| **f > 0.0)
+        .map(|(&f, &m)| f / f_sum * (f / f_sum * (m_sum / used(f, m))).ln())
+        .sum();
+    Divergence {
+        nats,
+        freedom: parts - 1.0,
+    }
+}
+
+impl Trainer {
+    /// *Refine*: one round. Models take in what was trained since the last round, then links are
+    /// split. The outcome depends on the accumulated sums alone.
+    pub fn refine(&mut self) -> Refined {
+        self.intakes.rounds += 1;
+        let (space, links) = (&self.space, &self.product.links);
+        let regions = |l: u32| super::train::region(space, &links[l as usize]);
+        self.stats.refit(&regions, &self.table);
+        self.divide(None)
+    }
+
+    /// The splits of a round, without refitting models; of the marked links only, if any are.
+    pub(crate) fn divide(&mut self, only: Option<&[bool]>) -> Refined {
+        let mut candidates = self.candidates(only);
+        candidates
+            .sort_unstable_by(|a, b| b.per_byte.total_cmp(&a.per_byte).then(a.name.cmp(&b.name)));
+        let mut done = Refined::default();
+        let mut bytes = self.bytes();
+        for c in &candidates {
+            let cost = self.cost(c.link, c.split) as u64;
+            if bytes + cost > self.settings.memory {
+                done.refused += 1;
+                continue;
+            }
+            self.split(c.link, c.split);
+            bytes += cost;
+            done.gain += c.gain;
+            match c.split {
+                Split::Space => done.space += 1,
+                _ => done.direction += 1,
+            }
+        }
+        done
+    }
+
+    /// Bytes that a split adds.
+    fn cost(&self, link: u32, split: Split) -> usize {
+        let r = self.product.links[link as usize].r as usize;
+        match split {
+            Split::Leaf => 0,
+            Split::Direction => 3 * self.link_bytes() + 4 * NODE_BYTES,
+            Split::Space => {
+                let cells = if self.space.nodes[r].first == 0 { 8 } else { 0 };
+                7 * self.link_bytes() + 8 * NODE_BYTES + cells * SPACE_BYTES
+            }
+        }
+    }
+
+    fn candidates(&self, only: Option<&[bool]>) -> Vec<Candidate> {
+        let flux: Vec<f64> = self
+            .tallies
+            .par_iter()
+            .map(|t| self.target_flux(t))
+            .collect();
+        let total: f64 = flux.iter().sum();
+        if total <= 0.0 {
+            return Vec::new();
+        }
+        flux.par_iter()
+            .enumerate()
+            .filter(|(i, _)| only.is_none_or(|o| o[*i]))
+            .filter_map(|(i, f)| self.candidate(i as u32, f / total))
+            .collect()
+    }
+
+    fn target_flux(&self, t: &super::tally::Tally) -> f64 {
+        let (flux, unit) = if self.settings.source == super::settings::Source::Paths {
+            (&t.paths, self.path_unit)
+        } else {
+            (&t.photons, self.photon_unit)
+        };
+        unit.map_or(0.0, |u| flux.rgb(u).element_sum() / 3.0)
+    }
+
+    /// The better of a link's possible splits, if any is worth it.
+    fn candidate(&self, number: u32, share: f64) -> Option<Candidate> {
+        let link = self.product.links[number as usize];
+        let tally = &self.tallies[number as usize];
+        let table = self.table(number);
+        let sum = table.total();
+        if tally.squares == 0 || share <= 0.0 || !self.space.is_seen(link.r) {
+            return None;
+        }
+        let n = sum * sum / tally.squares as f64;
+        if n < f64::from(self.settings.min_photons.max(self.traits.split_records)) {
+            return None;
+        }
+        let z = f64::from(self.settings.significance);
+        let per_byte = |split: Split, d: f64, cost: usize| Candidate {
+            link: number,
+            split,
+            per_byte: share * d / cost as f64,
+            gain: share * d,
+            name: self.name(number),
+        };
+        let mut best: Option<Candidate> = None;
+        let mut offer = |c: Candidate| {
+            if c.gain > 0.0 && best.as_ref().is_none_or(|b| c.per_byte > b.per_byte) {
+                best = Some(c);
+            }
+        };
+        let can_direct =
+            self.traits.splits_directions && link.q.level() < self.settings.max_direction_level;
+        let quadrant_cost = self.cost(number, Split::Direction);
+        if can_direct {
+            let d = divergence(&table.quadrants(), &[1.0; 4]).significant(n, z);
+            offer(per_byte(Split::Direction, d, quadrant_cost));
+        }
+        if !self.can_split_space(&self.space, link.r) {
+            return best;
+        }
+        let measure = self.octant_measure(link.r);
+        let cost = self.cost(number, Split::Space);
+        let d = divergence(&table.octants(), &measure).significant(n, z);
+        offer(per_byte(Split::Space, d, cost));
+        let joint = joint_divergence(&table, &measure, self.traits.splits_directions);
+        let joint_cost = if self.traits.splits_directions {
+            cost + 8 * quadrant_cost
+        } else {
+            cost
+        };
+        offer(Candidate {
+            split: Split::Space,
+            ..per_byte(Split::Space, joint.significant(n, z), joint_cost)
+        });
+        best
+    }
+
+    fn can_split_space(&self, space: &Space, r: u32) -> bool {
+        space.nodes[r as usize].level < space.grid.max_level
+            && (space.points.is_empty()
+                || space.point_count(r) >= self.settings.min_points as usize)
+    }
+
+    fn name(&self, number: u32) -> (u64, u8, u32, u8) {
+        let link = &self.product.links[number as usize];
+        let r = &self.space.nodes[link.r as usize];
+        (r.prefix, r.level, link.q.start(), link.q.level())
+    }
+}
+
+/// Divergence over octant and direction at once: from uniform in both where directions can be split
+/// too, else from the same directional distribution in every octant.
+fn joint_divergence(table: &super::tally::Table, measure: &[f64; 8], uniform: bool) -> Divergence {
+    // At most eight octants of 16 direction cells; on the stack, as every link passes here.
+    const MOST: usize = 8 * 16;
+    let directions = table.directions().min(MOST / 8);
+    let (mut flux, mut expected, mut marginal) = ([0f64; MOST], [0f64; MOST], [0f64; MOST / 8]);
+    for (i, &e) in table.entries.iter().enumerate().take(MOST) {
+        flux[i] = f64::from(e);
+        marginal[i % directions] += f64::from(e);
+    }
+    if uniform {
+        marginal = [1.0; MOST / 8];
+    }
+    for (i, e) in expected.iter_mut().enumerate().take(8 * directions) {
+        *e = measure[i / directions] * marginal[i % directions];
+    }
+    let marginal = &marginal[..directions];
+    let mut d = divergence(&flux[..8 * directions], &expected[..8 * directions]);
+    if !uniform {
+        let used = marginal.iter().filter(|m| **m > 0.0).count() as f64;
+        d.freedom = (d.freedom - (used - 1.0)).max(0.0);
+    }
+    d
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn divergence_is_kl_and_ignores_empty_parts() {
+        let d = divergence(&[3.0, 1.0, 0.0, 0.0], &[1.0; 4]);
+        let expected = 0.75 * 3f64.ln();
+        assert!((d.nats - expected).abs() < 1e-12 && d.freedom == 3.0);
+        // Flux in proportion to measure: nothing to gain, and empty octants do not count.
+        let d = divergence(&[2.0, 0.0, 6.0], &[1.0, 0.0, 3.0]);
+        assert!(d.nats.abs() < 1e-12 && d.freedom == 1.0);
+        assert_eq!(divergence(&[0.0; 4], &[1.0; 4]).significant(10.0, 3.0), 0.0);
+    }
+
+    #[test]
+    fn chance_alone_is_rarely_significant() {
+        let mut rng = crate::math::Pcg32::new(8, 8);
+        let mut positives = 0;
+        for _ in 0..2000 {
+            let mut counts = [0f64; 8];
+            for _ in 0..500 {
+                counts[(rng.next_u32() >> 29) as usize] += 1.0;
+            }
+            let d = divergence(&counts, &[1.0; 8]);
+            positives += u32::from(d.significant(500.0, 3.0) > 0.0);
+        }
+        // Chi-square with 7 degrees beyond 7 + 3 sqrt(14) = 18.2: probability 1.1 %.
+        assert!(positives < 45, "{positives}");
+    }
+}

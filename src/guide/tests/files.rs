@@ -1,0 +1,141 @@
+//! Files: round trips, refusals, and garbage.
+
+use super::synthetic::{disk_light, unit_box};
+use crate::guide::{ModelKind, Product, Settings, Trainer};
+use crate::math::{Pcg32, Rgb, Vec2, Vec3};
+
+fn trained(model: ModelKind) -> Trainer {
+    let mut t = Trainer::random(Vec3::ZERO, Vec3::ONE, model, Product::Cosine, 4);
+    t.set_surface(&super::synthetic::Patch::floor().surface(500, 1), 1.0);
+    t.settings.smoothing = 0.3;
+    t
+}
+
+#[test]
+fn a_file_brings_back_the_same_field() {
+    let dir = tempfile::tempdir().unwrap();
+    for model in ModelKind::ALL {
+        let t = trained(*model);
+        let path = dir.path().join("field.twf");
+        t.save(&path).unwrap();
+        let mut back = Trainer::load(&path).unwrap();
+        assert_eq!(back.settings(), t.settings());
+        assert!(back.to_bytes() == t.to_bytes());
+        let (a, b) = (t.freeze(), back.freeze());
+        let mut rng = Pcg32::new(1, 2);
+        for _ in 0..500 {
+            let x = Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32());
+            let u = Vec2::new(rng.next_f32(), rng.next_f32());
+            let v = Vec2::new(rng.next_f32(), rng.next_f32());
+            let sample = |f: &crate::guide::Field| f.at(x, Some(Vec3::Y), Rgb::ONE).sample(u, v);
+            assert_eq!(sample(&a), sample(&b));
+        }
+        // Trained further, both stay the same.
+        let mut t = t;
+        for t in [&mut t, &mut back] {
+            t.train(&disk_light(Vec3::splat(0.7), 0.1, 5000, 3), 5000);
+            t.refine();
+        }
+        assert!(back.to_bytes() == t.to_bytes());
+    }
+    let missing = Trainer::load(&dir.path().join("none")).unwrap_err();
+    assert!(missing.to_string().contains("none"));
+}
+
+#[test]
+fn damage_is_named() {
+    let bytes = trained(ModelKind::Constant).to_bytes();
+    let error = |b: &[u8]| Trainer::from_bytes(b).unwrap_err().to_string();
+    assert!(error(b"").contains("magic"));
+    assert!(error(&bytes[..30]).contains("cut off"));
+    assert!(error(&bytes[..bytes.len() - 1]).contains("cut off"));
+    let mut b = bytes.clone();
+    b[8] = 99;
+    assert!(error(&b).contains("version 99"));
+    let mut b = bytes.clone();
+    let last = b.len() - 1;
+    b[last] ^= 1;
+    assert!(error(&b).contains("checksum"));
+}
+
+/// Mutations with the checksum mended, so that they reach the parser: an error or a field that works.
+#[test]
+fn no_mutation_of_a_file_panics() {
+    let mut rng = Pcg32::new(77, 1);
+    let mut accepted = 0;
+    for model in ModelKind::ALL {
+        let mut t = Trainer::build(Settings {
+            model: *model,
+            ..unit_box()
+        })
+        .unwrap();
+        for seed in 0..2 {
+            t.train(&disk_light(Vec3::splat(0.6), 0.2, 1500, seed), 1500);
+            t.refine();
+        }
+        t.set_importance(&super::synthetic::Patch::floor().surface(20, 1));
+        let original = t.to_bytes();
+        for i in 0..1000 {
+            let mut b = original.clone();
+            mutate(&mut b, &mut rng, i);
+            if i % 4 != 0 {
+                mend(&mut b);
+            }
+            let Ok(mut t) = Trainer::from_bytes(&b) else {
+                continue;
+            };
+            accepted += 1;
+            let field = t.freeze();
+            let local = field.at(Vec3::splat(0.4), Some(Vec3::Z), Rgb::ONE);
+            let s = local.sample(Vec2::splat(0.5), Vec2::splat(0.3));
+            assert!(s.direction.is_finite() && s.pdf > 0.0, "{s:?}");
+            if i % 10 == 0 {
+                t.settings.memory = 1 << 20;
+                t.train(&disk_light(Vec3::splat(0.7), 0.1, 50, 3), 50);
+                t.refine();
+                t.emptied().merge(&t).unwrap();
+            }
+        }
+    }
+    assert!(
+        accepted > 200,
+        "mutations hardly reach the parser: {accepted}"
+    );
+}
+
+fn mutate(b: &mut Vec<u8>, rng: &mut Pcg32, i: u32) {
+    let any = |rng: &mut Pcg32, n: usize| rng.next_u32() as usize % n.max(1);
+    // Half of them near the front, where lengths and shapes are.
+    let reach = if i % 2 == 0 {
+        b.len()
+    } else {
+        1500.min(b.len())
+    };
+    for _ in 0..1 + rng.next_u32() % 3 {
+        let at = any(rng, reach);
+        match rng.next_u32() % 5 {
+            0 => b[at] ^= 1 << (rng.next_u32() % 8),
+            1 => b[at] = rng.next_u32() as u8,
+            2 => b[at] = 0xff,
+            3 if at > 24 => b.truncate(at),
+            _ => {
+                let end = (at + any(rng, 16)).min(b.len());
+                b[at.min(end)..end].fill(rng.next_u32() as u8);
+            }
+        }
+        if b.len() < reach {
+            return;
+        }
+    }
+}
+
+fn mend(b: &mut [u8]) {
+    if b.len() < 24 {
+        return;
+    }
+    let length = (b.len() - 24) as u64;
+    b[12..20].copy_from_slice(&length.to_le_bytes());
+    let mut crc = flate2::Crc::new();
+    crc.update(&b[24..]);
+    b[20..24].copy_from_slice(&crc.sum().to_le_bytes());
+}

@@ -1,0 +1,9 @@
+//! Tests of the whole field, on synthetic light whose answer is known in closed form.
+
+mod area;
+mod convergence;
+mod exact;
+mod files;
+mod hostile;
+mod sampling;
+mod synthetic;

@@ -1,0 +1,323 @@
+//! The trainable field: *build* and *train*.
+
+use super::links::{Link, Product, Split};
+use super::model::{Batch, Region, StatSet, Traits};
+use super::record::{Deposit, Dropped, Intake, PathSample, Photon, SurfacePoint, batch_unit};
+use super::settings::{GuideError, Settings, Source};
+use super::space::{Grid, Space};
+use super::tally::{Table, Tally, apportion};
+use crate::math::sum::SumUnit;
+use rayon::prelude::*;
+
+/// Records taken at a time: bounds the scratch memory, changes no result.
+pub(crate) const CHUNK: usize = 1 << 18;
+
+/// What came in so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Intakes {
+    /// Photons emitted by the lights, whether or not they landed.
+    pub emitted: u64,
+    /// Photons that landed and were used.
+    pub photons: u64,
+    /// Path samples used.
+    pub paths: u64,
+    /// Calls of `train` and `train_paths`.
+    pub batches: u64,
+    /// Rounds of refining.
+    pub rounds: u64,
+    /// Records dropped because a number in them was not finite (or a pdf not positive).
+    pub dropped_non_finite: u64,
+    /// Records dropped because their direction was zero or not finite.
+    pub dropped_direction: u64,
+}
+
+/// A field that is being learned. See the [module](super).
+#[derive(Clone, Debug)]
+pub struct Trainer {
+    pub(crate) settings: Settings,
+    pub(crate) traits: Traits,
+    pub(crate) space: Space,
+    pub(crate) product: Product,
+    pub(crate) tallies: Vec<Tally>,
+    /// `table_stride` entries a link.
+    pub(crate) table: Vec<u32>,
+    pub(crate) stats: StatSet,
+    pub(crate) photon_unit: Option<SumUnit>,
+    pub(crate) path_unit: Option<SumUnit>,
+    pub(crate) intakes: Intakes,
+}
+
+impl Trainer {
+    /// *Build*: the shallow hierarchies. R is one cell (eight, when split by normals), Q is cut to
+    /// the model's base level.
+    ///
+    /// # Errors
+    /// When a setting is out of range.
+    pub fn build(settings: Settings) -> Result<Self, GuideError> {
+        settings.validate()?;
+        let traits = settings.model.traits();
+        let mut trainer = Self {
+            traits,
+            space: Space::new(Grid::new(&settings)),
+            product: Product::new(),
+            tallies: vec![Tally::default()],
+            table: vec![0; 8 << (2 * traits.table_levels)],
+            stats: StatSet::new(settings.model),
+            photon_unit: None,
+            path_unit: None,
+            intakes: Intakes::default(),
+            settings,
+        };
+        for level in 0..traits.base_level {
+            for link in 0..1u32 << (2 * level) {
+                trainer.split(link, Split::Direction);
+            }
+        }
+        if trainer.settings.normal_split {
+            for link in 0..trainer.product.links.len() as u32 {
+                trainer.split(link, Split::Space);
+            }
+        }
+        Ok(trainer)
+    }
+
+    /// The settings it was built with.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// What came in so far.
+    pub fn intakes(&self) -> Intakes {
+        self.intakes
+    }
+
+    /// Gives points spread uniformly over all surfaces, which together stand for `total_area`. From
+    /// them A(r) is estimated for every cell, now and after later splits. Replaces earlier points.
+    pub fn set_surface(&mut self, points: &[SurfacePoint], total_area: f64) {
+        self.space.points = self.space.keys(points);
+        self.space.total_area = if total_area > 0.0 && total_area.is_finite() {
+            total_area
+        } else {
+            1.0
+        };
+    }
+
+    /// Gives positions that camera paths met: cells without one are not refined any further. An
+    /// empty slice lifts the restriction.
+    pub fn set_importance(&mut self, points: &[SurfacePoint]) {
+        self.space.seen = self.space.keys(points);
+    }
+
+    /// *Train* on photons. `emitted` is how many photons the lights sent out to yield this batch.
+    /// The result does not depend on threads, nor on how photons are cut into batches between two
+    /// refinements.
+    pub fn train(&mut self, photons: &[Photon], emitted: u64) {
+        self.intakes.batches += 1;
+        self.intakes.emitted = self.intakes.emitted.saturating_add(emitted);
+        if self.photon_unit.is_none() {
+            self.photon_unit = batch_unit(photons.iter().map(|p| p.power));
+        }
+        let Some(unit) = self.photon_unit else {
+            return;
+        };
+        for chunk in photons.chunks(CHUNK) {
+            let intake = self.intake(unit);
+            let deposits: Vec<_> = chunk.par_iter().map(|p| intake.photon(p)).collect();
+            self.intakes.photons += self.deposit(deposits, unit, false, None);
+        }
+    }
+
+    /// *Train* on camera paths: every sampled direction of every vertex, dark ones included.
+    pub fn train_paths(&mut self, samples: &[PathSample]) {
+        self.intakes.batches += 1;
+        if self.path_unit.is_none() {
+            self.path_unit = batch_unit(samples.iter().map(|s| s.radiance));
+        }
+        // Vertices count even while everything is dark: they are the denominator.
+        let unit = self.path_unit.unwrap_or(SumUnit::from_exponent(0));
+        for chunk in samples.chunks(CHUNK) {
+            let intake = self.intake(unit);
+            let deposits: Vec<_> = chunk.par_iter().map(|s| intake.path(s)).collect();
+            for (leaf, octant) in self.visited(chunk, &deposits).into_iter().flatten() {
+                self.space.nodes[leaf as usize].visits[octant as usize] += 1;
+                self.intakes.paths += 1;
+            }
+            self.deposit(deposits, unit, true, None);
+        }
+    }
+
+    /// Where each usable sample's vertex lies: leaf of R and octant.
+    pub(crate) fn visited(
+        &self,
+        samples: &[PathSample],
+        deposits: &[Result<Deposit, Dropped>],
+    ) -> Vec<Option<(u32, u32)>> {
+        let space = &self.space;
+        let place = |(sample, deposit): (&PathSample, &Result<Deposit, Dropped>)| {
+            if !matches!(deposit, Ok(_) | Err(Dropped::Dark)) {
+                return None;
+            }
+            let key = space.grid.key(sample.position, sample.normal);
+            let leaf = space.leaf(key);
+            let level = space.nodes[leaf as usize].level;
+            Some((leaf, space.grid.octant(key, level)))
+        };
+        samples.par_iter().zip(deposits).map(place).collect()
+    }
+
+    pub(crate) fn intake(&self, unit: SumUnit) -> Intake<'_> {
+        Intake {
+            settings: &self.settings,
+            grid: &self.space.grid,
+            unit,
+        }
+    }
+
+    /// Finds each record's link, sorts records by link and adds them up. Returns how many were used.
+    pub(crate) fn deposit(
+        &mut self,
+        deposits: Vec<Result<Deposit, Dropped>>,
+        unit: SumUnit,
+        from_paths: bool,
+        again: Option<&[bool]>,
+    ) -> u64 {
+        let mut usable = Vec::with_capacity(deposits.len());
+        for d in deposits {
+            match d {
+                Ok(d) => usable.push(d),
+                Err(_) if again.is_some() => {}
+                Err(Dropped::NonFinite) => self.intakes.dropped_non_finite += 1,
+                Err(Dropped::BadDirection) => self.intakes.dropped_direction += 1,
+                Err(Dropped::Dark) => {}
+            }
+        }
+        let (product, space) = (&self.product, &self.space);
+        let mut order: Vec<u64> = usable
+            .par_iter()
+            .enumerate()
+            .map(|(i, d)| u64::from(product.find(&space.grid, d.key, d.code)) << 32 | i as u64)
+            .collect();
+        order.par_sort_unstable();
+        let batch = Batch {
+            deposits: &usable,
+            links: &product.links,
+            regions: &|link| region(space, link),
+            octant: &|link, key| {
+                let level = space.nodes[link.r as usize].level;
+                space.grid.octant(key, level)
+            },
+            unit,
+            from_paths,
+            shapes: from_paths == (self.settings.source == Source::Paths),
+            again,
+        };
+        self.stats
+            .accumulate(&batch, &order, &mut self.tallies, &mut self.table);
+        usable.len() as u64
+    }
+
+    pub(crate) fn table_stride(&self) -> usize {
+        8 << (2 * self.traits.table_levels)
+    }
+
+    pub(crate) fn table(&self, link: u32) -> Table<'_> {
+        let stride = self.table_stride();
+        let at = link as usize * stride;
+        Table {
+            entries: &self.table[at..at + stride],
+        }
+    }
+
+    /// A link's space octants' shares of what its density refers to: area for photons, vertices for
+    /// path samples.
+    pub(crate) fn octant_measure(&self, r: u32) -> [f64; 8] {
+        let node = &self.space.nodes[r as usize];
+        if self.settings.source == Source::Paths {
+            if node.first == 0 {
+                return node.visits.map(|v| v as f64);
+            }
+            return std::array::from_fn(|i| self.space.visits(node.first + i as u32) as f64);
+        }
+        self.space.octant_areas(r)
+    }
+
+    /// Divides a leaf link. Its flux is known by octant and by quadrant, so each child starts with
+    /// its own share and every estimate stays right; only the children's own tables begin anew.
+    pub(crate) fn split(&mut self, link: u32, how: Split) {
+        let parent = self.product.links[link as usize];
+        let from = region(&self.space, &parent);
+        let weights: Vec<f64> = match how {
+            Split::Leaf => return,
+            Split::Space => self.table(link).octants().to_vec(),
+            Split::Direction => self.table(link).quadrants().to_vec(),
+        };
+        // Without records in the table, by measure.
+        let weights = if weights.iter().sum::<f64>() > 0.0 {
+            weights
+        } else if how == Split::Space {
+            self.octant_measure(parent.r).to_vec()
+        } else {
+            vec![1.0; 4]
+        };
+        let new = self.product.split(&mut self.space, link, how);
+        let numbers: Vec<u32> = std::iter::once(link).chain(new).collect();
+        let to: Vec<Region> = numbers
+            .iter()
+            .map(|&n| region(&self.space, &self.product.links[n as usize]))
+            .collect();
+        self.stats.split(link, &from, &to);
+        let shares = share_tally(&self.tallies[link as usize], &weights);
+        let stride = self.table_stride();
+        self.tallies
+            .resize(self.product.links.len(), Tally::default());
+        self.table.resize(self.product.links.len() * stride, 0);
+        self.table[link as usize * stride..(link as usize + 1) * stride].fill(0);
+        for (n, t) in numbers.iter().zip(shares) {
+            self.tallies[*n as usize] = t;
+        }
+    }
+
+    /// Bytes held by nodes, links, accumulators and, per cell of R, the look-up tables that freezing
+    /// makes. Surface points come on top: 8 bytes each.
+    pub fn bytes(&self) -> u64 {
+        (self.product.links.len() * self.link_bytes()
+            + self.product.nodes.len() * NODE_BYTES
+            + self.space.nodes.len() * SPACE_BYTES) as u64
+    }
+
+    pub(crate) fn link_bytes(&self) -> usize {
+        size_of::<Link>() + size_of::<Tally>() + 4 * self.table_stride() + self.traits.stats_bytes
+    }
+}
+
+/// Bytes of a node of P.
+pub(crate) const NODE_BYTES: usize = size_of::<super::links::ProductNode>();
+/// Bytes of a node of R in training plus a frozen cell's look-up tables.
+pub(crate) const SPACE_BYTES: usize =
+    size_of::<super::space::SpaceNode>() + super::field::CELL_BYTES;
+
+pub(crate) fn region(space: &Space, link: &Link) -> Region {
+    Region {
+        centre: space.centre(link.r),
+    }
+}
+
+fn share_tally(t: &Tally, weights: &[f64]) -> Vec<Tally> {
+    let n = weights.len();
+    let mut padded = [0f64; 8];
+    for (p, w) in padded.iter_mut().zip(weights) {
+        *p = *w;
+    }
+    let parts = |total: u128| apportion(total, &padded);
+    let photons = t.photons.0.map(parts);
+    let paths = t.paths.0.map(parts);
+    let count = parts(u128::from(t.count));
+    (0..n)
+        .map(|i| Tally {
+            photons: super::tally::Flux(photons.map(|p| p[i])),
+            paths: super::tally::Flux(paths.map(|p| p[i])),
+            count: count[i] as u64,
+            squares: 0,
+        })
+        .collect()
+}

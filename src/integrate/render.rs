@@ -1,0 +1,261 @@
+//! The loop around everything: passes of samples over tiles of the film, until enough.
+
+use super::PathSettings;
+use super::guiding::Guide;
+use super::wave::Wave;
+use crate::camera::Camera;
+use crate::film::filter::FilterSampler;
+use crate::film::{Film, FilmDescription, Sample, Tile};
+use crate::math::Vec2;
+use crate::scene::Scene;
+use rayon::prelude::*;
+use std::ops::Range;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+/// When to stop: whichever comes first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Samples a pixel.
+    pub spp: u64,
+    /// Wall-clock time of rendering.
+    pub time: Option<Duration>,
+    /// Noise of the image (see [`Film::noise`]).
+    pub noise: Option<f32>,
+}
+
+/// What stopped a render.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StoppedBy {
+    /// All samples were taken.
+    Samples,
+    /// The time was up.
+    Time,
+    /// The image was clean enough.
+    Noise,
+    /// The observer asked for it.
+    Interrupt,
+}
+
+/// How far a render is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// Samples a pixel finished.
+    pub spp: u64,
+    /// Samples a pixel at most.
+    pub spp_limit: u64,
+    /// Samples taken over the whole film.
+    pub samples: u64,
+    /// Time since rendering began.
+    pub elapsed: Duration,
+    /// Noise, once there are enough samples to tell.
+    pub noise: Option<f32>,
+}
+
+/// Who watches a render. Called from the rendering threads between passes.
+pub trait Observer: Sync {
+    /// A pass over the whole film is done.
+    fn pass_done(&self, progress: &Progress, film: &Film);
+    /// Asked before every tile: `true` ends the render soon.
+    fn should_stop(&self) -> bool;
+}
+
+/// What a render came to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Summary {
+    /// Why it ended.
+    pub stopped_by: StoppedBy,
+    /// Samples a pixel.
+    pub spp: u64,
+    /// Samples taken over the whole film.
+    pub samples: u64,
+    /// Rays traced, shadow rays included.
+    pub rays: u64,
+    /// Wall-clock time.
+    pub elapsed: Duration,
+    /// Noise at the end.
+    pub noise: Option<f32>,
+}
+
+/// Samples that travel together: enough to fill the ray tracer's packets after most paths have ended,
+/// few enough for a core's second-level cache.
+const WAVE_SAMPLES: u64 = 4096;
+/// Most samples a pixel takes in one pass: the interval between looks at the clock.
+const PASS_SPP: u64 = 64;
+
+/// What is rendered, and how.
+#[derive(Clone, Copy)]
+pub struct View<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// From where.
+    pub camera: &'a Camera,
+    /// Size and filter of the film.
+    pub film: &'a FilmDescription,
+    /// How paths are traced.
+    pub settings: &'a PathSettings,
+    /// A learned field, to guide by.
+    pub guide: Option<&'a Guide>,
+}
+
+/// Renders until a limit is reached.
+pub fn render(view: &View, film: &mut Film, limits: &Limits, observer: &dyn Observer) -> Summary {
+    let start = Instant::now();
+    let job = Job {
+        view: *view,
+        filter: FilterSampler::new(view.film.filter),
+        observer,
+        waves: Mutex::new(Vec::new()),
+    };
+    let pixels = u64::from(film.width()) * u64::from(film.height());
+    let mut spp = 0;
+    let mut noise = None;
+    let stopped_by = loop {
+        if spp >= limits.spp {
+            break StoppedBy::Samples;
+        }
+        let pass = pass_size(spp, limits, start.elapsed());
+        if pass == 0 {
+            break StoppedBy::Time;
+        }
+        job.pass(film, spp..spp + pass);
+        if observer.should_stop() {
+            break StoppedBy::Interrupt;
+        }
+        spp += pass;
+        noise = film.noise();
+        let elapsed = start.elapsed();
+        let progress = Progress {
+            spp,
+            spp_limit: limits.spp,
+            samples: spp * pixels,
+            elapsed,
+            noise,
+        };
+        observer.pass_done(&progress, film);
+        let clean = |target: f32| spp >= MIN_SPP_FOR_NOISE && noise.is_some_and(|n| n <= target);
+        if limits.noise.is_some_and(clean) {
+            break StoppedBy::Noise;
+        }
+    };
+    let samples = film
+        .tiles()
+        .iter()
+        .flat_map(|t| &t.pixels)
+        .map(|p| p.count)
+        .sum();
+    let rays = job
+        .waves
+        .into_inner()
+        .map_or(0, |waves| waves.iter().map(Wave::rays_traced).sum());
+    Summary {
+        stopped_by,
+        spp,
+        samples,
+        rays,
+        elapsed: start.elapsed(),
+        noise,
+    }
+}
+
+/// Below this many samples a pixel's own variance is not to be trusted.
+const MIN_SPP_FOR_NOISE: u64 = 16;
+
+/// Samples a pixel for the next pass: doubling from 1, bounded so that the time limit is met within
+/// an eighth of what is left; 0 when the time is up.
+fn pass_size(done: u64, limits: &Limits, elapsed: Duration) -> u64 {
+    let doubled = done.clamp(1, PASS_SPP).min(limits.spp - done);
+    let Some(time) = limits.time else {
+        return doubled;
+    };
+    let left = time.saturating_sub(elapsed).as_secs_f64();
+    if left <= 0.0 && done > 0 {
+        return 0;
+    }
+    if done == 0 {
+        return 1;
+    }
+    let per_sample = elapsed.as_secs_f64() / done as f64;
+    if left < 0.5 * per_sample {
+        return 0;
+    }
+    doubled.min((left / per_sample / 8.0).ceil().max(1.0) as u64)
+}
+
+/// What every tile of a render shares.
+struct Job<'a> {
+    view: View<'a>,
+    filter: FilterSampler,
+    observer: &'a dyn Observer,
+    /// Buffers not in use.
+    waves: Mutex<Vec<Wave>>,
+}
+
+impl Job<'_> {
+    /// Takes the samples `range` of every pixel.
+    fn pass(&self, film: &mut Film, range: Range<u64>) {
+        film.tiles_mut()
+            .par_iter_mut()
+            .with_max_len(1)
+            .for_each(|tile| {
+                if self.observer.should_stop() {
+                    return;
+                }
+                // A thread that panicked left a wave behind that nobody will read: go on with a new one.
+                let idle = self.waves.lock().map_or(None, |mut w| w.pop());
+                let mut wave = idle.unwrap_or_default();
+                self.render_tile(tile, range.clone(), &mut wave);
+                if let Ok(mut waves) = self.waves.lock() {
+                    waves.push(wave);
+                }
+            });
+    }
+
+    /// Takes the samples `range` of a tile's pixels, a wave at a time. All samples of a pixel's share
+    /// of a wave stand next to each other: their camera rays make coherent packets.
+    fn render_tile(&self, tile: &mut Tile, range: Range<u64>, wave: &mut Wave) {
+        let per_wave = (WAVE_SAMPLES / tile.pixels.len() as u64).max(1);
+        let mut from = range.start;
+        let mut weights = Vec::new();
+        while from < range.end {
+            let to = (from + per_wave).min(range.end);
+            wave.clear();
+            weights.clear();
+            for i in 0..tile.pixels.len() as u32 {
+                let (x, y) = (tile.x0 + i % tile.width, tile.y0 + i / tile.width);
+                for sample in from..to {
+                    weights.push(self.start(x, y, sample, wave));
+                }
+            }
+            let outcomes = wave.trace(self.view.scene, self.view.settings, self.view.guide);
+            let share = (to - from) as usize;
+            for (k, (outcome, weight)) in outcomes.iter().zip(&weights).enumerate() {
+                let sample = Sample {
+                    radiance: outcome.radiance,
+                    weight: *weight,
+                    albedo: outcome.first.albedo,
+                    normal: outcome.first.normal,
+                    depth: outcome.first.depth,
+                };
+                tile.add(k / share, from + (k % share) as u64, &sample);
+            }
+            from = to;
+        }
+    }
+
+    /// Starts a sample of pixel `(x, y)` and returns its filter weight.
+    #[inline]
+    fn start(&self, x: u32, y: u32, sample: u64, wave: &mut Wave) -> f32 {
+        let pixel = u64::from(y) * u64::from(self.view.film.width) + u64::from(x);
+        let mut sampler = self.view.settings.sampler(pixel, sample);
+        let u = sampler.next4();
+        let place = self.filter.sample(Vec2::new(u[0], u[1]));
+        let center = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
+        let ray = self
+            .view
+            .camera
+            .ray(center + place.offset, Vec2::new(u[2], u[3]));
+        wave.push(ray, sampler);
+        place.weight
+    }
+}

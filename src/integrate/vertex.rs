@@ -1,0 +1,269 @@
+//! One vertex of a camera path.
+
+use super::PathSettings;
+use super::guiding::{Guide, GuidedVertex};
+use super::wave::{FirstHit, Outcome, Path};
+use crate::accel::{Hit, Ray};
+use crate::bsdf::{Bsdf, LobeFlags, Transport};
+use crate::math::mis::power_heuristic;
+use crate::math::offset::{gamma, offset_origin};
+use crate::math::{Rgb, Vec2, Vec3};
+use crate::scene::Scene;
+use crate::scene::surface::DARK;
+use crate::texture::SurfacePoint;
+
+/// A shadow ray stops this much short of the light, relative to the distance, so as not to meet the
+/// light's own surface. An occluder closer to the light than this is not seen.
+const SHADOW_MARGIN: f32 = 1e-4;
+/// Roulette lets every path live at least this often to die: paths between mirrors end (Mitsuba's bound).
+const MAX_SURVIVAL: f32 = 0.95;
+
+/// Light that a sample receives if nothing is in between.
+#[derive(Clone, Copy, Debug)]
+pub struct ShadowRay {
+    /// Which of the wave's samples.
+    pub slot: u32,
+    /// Throughput, BSDF, light and MIS weight multiplied out.
+    pub radiance: Rgb,
+}
+
+/// How a path goes on.
+#[derive(Clone, Copy, Debug)]
+pub struct Next {
+    /// The next ray, or none if the path ends.
+    pub ray: Option<Ray>,
+    /// A shadow ray to trace.
+    pub shadow: Option<(Ray, ShadowRay)>,
+}
+
+/// Handles what `ray` met: adds emission to `outcome`, samples a light, samples the BSDF (and the field,
+/// with a `guide`), plays roulette.
+#[allow(clippy::too_many_arguments)]
+#[inline]
+pub fn visit(
+    scene: &Scene,
+    settings: &PathSettings,
+    guide: Option<&Guide>,
+    ray: &Ray,
+    hit: &Hit,
+    path: &mut Path,
+    outcome: &mut Outcome,
+) -> Next {
+    if !hit.is_some() {
+        add_environment(scene, settings, ray, path, outcome);
+        return Next::END;
+    }
+    let surface = &scene.surfaces.list[hit.shape as usize];
+    let point = scene
+        .surfaces
+        .point(ray, hit, path.cone_width + path.cone_spread * hit.t);
+    let wo = -ray.dir;
+    if surface.emitter != DARK {
+        add_emission(scene, settings, surface.emitter, &point, wo, path, outcome);
+    }
+    if path.depth + 1 >= settings.max_depth && path.depth > 0 {
+        return Next::END;
+    }
+    let bsdf = scene
+        .surfaces
+        .materials
+        .resolve(surface.material, &point, wo);
+    if path.depth == 0 {
+        outcome.first = FirstHit {
+            albedo: bsdf.albedo(),
+            normal: point.frame.n,
+            depth: hit.t,
+        };
+        if settings.max_depth < 2 {
+            return Next::END;
+        }
+    }
+    let guided = guide.and_then(|g| g.at(&point, &bsdf, wo, path.throughput));
+    let block = path.sampler.next4();
+    let shadow = if bsdf.flags().has(LobeFlags::SMOOTH) {
+        sample_light(
+            scene,
+            settings,
+            &point,
+            (&bsdf, guided.as_ref()),
+            wo,
+            path,
+            [block[0], block[1], block[2]],
+        )
+    } else {
+        path.from_normal = Vec3::ZERO;
+        None
+    };
+    Next {
+        ray: scatter(
+            settings,
+            &point,
+            (&bsdf, guided.as_ref()),
+            wo,
+            path,
+            block[3],
+            hit.t,
+        ),
+        shadow,
+    }
+}
+
+/// Adds what shines from outside the scene.
+fn add_environment(
+    scene: &Scene,
+    settings: &PathSettings,
+    ray: &Ray,
+    path: &Path,
+    outcome: &mut Outcome,
+) {
+    let hidden = path.depth == 0 && settings.hide_emitters;
+    if hidden || !scene.lights.has_environment() {
+        return;
+    }
+    let radiance = scene.lights.environment(ray.dir);
+    if radiance == Rgb::ZERO {
+        return;
+    }
+    let weight = if path.pdf.is_finite() {
+        let light_pdf = scene
+            .lights
+            .pdf_environment(path.from, path.from_normal, ray.dir);
+        power_heuristic(path.pdf, light_pdf)
+    } else {
+        1.0
+    };
+    outcome.radiance += path.throughput * radiance * weight;
+}
+
+/// Adds what the surface itself emits.
+fn add_emission(
+    scene: &Scene,
+    settings: &PathSettings,
+    emitter: u32,
+    point: &SurfacePoint,
+    wo: Vec3,
+    path: &Path,
+    outcome: &mut Outcome,
+) {
+    if path.depth == 0 && settings.hide_emitters {
+        return;
+    }
+    let radiance = scene.lights.emitted(emitter, point, wo);
+    if radiance == Rgb::ZERO {
+        return;
+    }
+    let weight = if path.pdf.is_finite() {
+        let lights = &scene.lights;
+        let light_pdf = lights.pdf_area(
+            path.from,
+            path.from_normal,
+            emitter,
+            point.prim,
+            point.p,
+            point.ng,
+        );
+        power_heuristic(path.pdf, light_pdf)
+    } else {
+        1.0
+    };
+    outcome.radiance += path.throughput * radiance * weight;
+}
+
+/// Whether geometric and shading normal disagree about the side `w` is on.
+#[inline]
+fn crosses(point: &SurfacePoint, w: Vec3) -> bool {
+    point.ng.dot(w) * point.frame.n.dot(w) <= 0.0
+}
+
+/// Next-event estimation: a shadow ray with the light it would bring.
+#[inline]
+fn sample_light(
+    scene: &Scene,
+    settings: &PathSettings,
+    point: &SurfacePoint,
+    (bsdf, guided): (&Bsdf, Option<&GuidedVertex>),
+    wo: Vec3,
+    path: &mut Path,
+    u: [f32; 3],
+) -> Option<(Ray, ShadowRay)> {
+    path.from_normal = bsdf.light_normal(wo);
+    let light = scene.lights.sample(point.p, path.from_normal, u)?;
+    if settings.strict_normals && (crosses(point, light.dir) || crosses(point, wo)) {
+        return None;
+    }
+    let (f, bsdf_pdf) = bsdf.eval_pdf(wo, light.dir, Transport::Radiance);
+    if f == Rgb::ZERO {
+        return None;
+    }
+    let weight = if light.delta {
+        1.0
+    } else {
+        let pdf = guided.map_or(bsdf_pdf, |g| g.pdf(light.dir, bsdf_pdf));
+        power_heuristic(light.pdf, pdf)
+    };
+    let radiance = path.throughput * f * light.radiance * (weight / light.pdf);
+    let org = offset_origin(point.p, point.error, point.ng, light.dir);
+    let mut ray = Ray::new(org, light.dir);
+    if light.distance.is_finite() {
+        let rounding = 4.0 * gamma(7) * point.p.abs().max_element();
+        ray.tmax = light.distance * (1.0 - SHADOW_MARGIN) - rounding;
+    }
+    Some((
+        ray,
+        ShadowRay {
+            slot: path.slot,
+            radiance,
+        },
+    ))
+}
+
+/// Samples the BSDF and plays roulette: the next ray, or none.
+#[inline]
+fn scatter(
+    settings: &PathSettings,
+    point: &SurfacePoint,
+    (bsdf, guided): (&Bsdf, Option<&GuidedVertex>),
+    wo: Vec3,
+    path: &mut Path,
+    u_roulette: f32,
+    distance: f32,
+) -> Option<Ray> {
+    let block = path.sampler.next4();
+    let sample = match guided {
+        Some(guided) => guided.sample(bsdf, wo, block)?,
+        None => bsdf.sample(
+            wo,
+            block[0],
+            Vec2::new(block[1], block[2]),
+            Transport::Radiance,
+        )?,
+    };
+    if settings.strict_normals && (crosses(point, sample.wi) || crosses(point, wo)) {
+        return None;
+    }
+    path.throughput *= sample.weight;
+    path.eta *= sample.eta;
+    path.depth += 1;
+    if path.depth >= settings.rr_depth {
+        let survival = (path.throughput.max_element() * path.eta * path.eta).min(MAX_SURVIVAL);
+        if u_roulette >= survival {
+            return None;
+        }
+        path.throughput /= survival;
+    }
+    let delta = sample.lobe.has(LobeFlags::DELTA);
+    path.pdf = if delta { f32::INFINITY } else { sample.pdf };
+    path.from = point.p;
+    path.cone_width += path.cone_spread * distance;
+    if !delta {
+        path.cone_spread = path.cone_spread.max(bsdf.roughness() * ROUGH_SPREAD);
+    }
+    Some(Ray::new(
+        offset_origin(point.p, point.error, point.ng, sample.wi),
+        sample.wi,
+    ))
+}
+
+/// After a rough bounce textures are seen blurred: a lobe of roughness 1 spreads its cone this much per
+/// unit distance. A blur of the texture far below the lobe's own width.
+const ROUGH_SPREAD: f32 = 0.05;

@@ -1,0 +1,169 @@
+//! A wave of paths that advance together, one bounce at a time.
+
+use super::PathSettings;
+use super::guiding::Guide;
+use super::vertex::{self, Next, ShadowRay};
+use crate::accel::{Hit, Ray};
+use crate::camera::CameraRay;
+use crate::math::{PathSampler, Rgb, Vec3};
+use crate::scene::Scene;
+
+/// What a path carries from one vertex to the next.
+#[derive(Clone, Copy, Debug)]
+pub struct Path {
+    /// Product of BSDF weights so far.
+    pub throughput: Rgb,
+    /// Density with which the last direction was drawn, solid angle; infinite after a delta lobe and at the camera.
+    pub pdf: f32,
+    /// The vertex the ray left.
+    pub from: Vec3,
+    /// The normal that light sampling was given there (zero: light from all sides).
+    pub from_normal: Vec3,
+    /// Product of relative indices of refraction.
+    pub eta: f32,
+    /// Edges so far.
+    pub depth: u32,
+    /// Which of the wave's samples this is.
+    pub slot: u32,
+    /// Width of the ray's cone at its origin.
+    pub cone_width: f32,
+    /// Growth of that width per unit distance.
+    pub cone_spread: f32,
+    /// Numbers to come.
+    pub sampler: PathSampler,
+}
+
+/// What the camera sees first along a sample: for the AOVs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FirstHit {
+    /// Reflectance.
+    pub albedo: Rgb,
+    /// Shading normal, world space.
+    pub normal: Vec3,
+    /// Distance; 0 where nothing was met.
+    pub depth: f32,
+}
+
+/// What a sample came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Outcome {
+    /// Radiance.
+    pub radiance: Rgb,
+    /// First surface.
+    pub first: FirstHit,
+}
+
+/// Buffers of a wave, kept from one tile to the next.
+#[derive(Default)]
+pub struct Wave {
+    rays: Vec<Ray>,
+    hits: Vec<Hit>,
+    paths: Vec<Path>,
+    shadows: Vec<ShadowRay>,
+    shadow_rays: Vec<Ray>,
+    blocked: Vec<bool>,
+    outcomes: Vec<Outcome>,
+    rays_traced: u64,
+}
+
+impl Wave {
+    /// Empties the wave.
+    pub fn clear(&mut self) {
+        self.rays.clear();
+        self.paths.clear();
+        self.outcomes.clear();
+    }
+
+    /// Adds a sample. Its outcome will stand at the same place in [`Wave::trace`]'s answer.
+    #[inline]
+    pub fn push(&mut self, camera: CameraRay, sampler: PathSampler) {
+        self.paths.push(Path {
+            throughput: Rgb::ONE,
+            pdf: f32::INFINITY,
+            from: camera.ray.org,
+            from_normal: Vec3::ZERO,
+            eta: 1.0,
+            depth: 0,
+            slot: self.outcomes.len() as u32,
+            cone_width: camera.cone_width,
+            cone_spread: camera.cone_spread,
+            sampler,
+        });
+        self.rays.push(camera.ray);
+        self.outcomes.push(Outcome::default());
+    }
+
+    /// Traces all samples to their ends.
+    pub fn trace(
+        &mut self,
+        scene: &Scene,
+        settings: &PathSettings,
+        guide: Option<&Guide>,
+    ) -> &[Outcome] {
+        while !self.paths.is_empty() {
+            self.hits.resize(self.rays.len(), Hit::NONE);
+            scene.rays.intersect_batch(&self.rays, &mut self.hits);
+            self.rays_traced += self.rays.len() as u64;
+            self.advance(scene, settings, guide);
+            self.collect_light(scene);
+        }
+        &self.outcomes
+    }
+
+    /// Rays traced since the wave was made, shadow rays included.
+    pub fn rays_traced(&self) -> u64 {
+        self.rays_traced
+    }
+
+    /// Handles one vertex of every path and keeps those that go on, in order.
+    fn advance(&mut self, scene: &Scene, settings: &PathSettings, guide: Option<&Guide>) {
+        self.shadows.clear();
+        self.shadow_rays.clear();
+        let mut kept = 0;
+        for i in 0..self.paths.len() {
+            let path = &mut self.paths[i];
+            let outcome = &mut self.outcomes[path.slot as usize];
+            let next = vertex::visit(
+                scene,
+                settings,
+                guide,
+                &self.rays[i],
+                &self.hits[i],
+                path,
+                outcome,
+            );
+            if let Some((ray, shadow)) = next.shadow {
+                self.shadow_rays.push(ray);
+                self.shadows.push(shadow);
+            }
+            let Some(ray) = next.ray else { continue };
+            self.paths[kept] = self.paths[i];
+            self.rays[kept] = ray;
+            kept += 1;
+        }
+        self.paths.truncate(kept);
+        self.rays.truncate(kept);
+    }
+
+    /// Adds the light of all unblocked shadow rays.
+    fn collect_light(&mut self, scene: &Scene) {
+        self.blocked.resize(self.shadow_rays.len(), false);
+        scene
+            .rays
+            .occluded_batch(&self.shadow_rays, &mut self.blocked);
+        self.rays_traced += self.shadow_rays.len() as u64;
+        for (shadow, blocked) in self.shadows.iter().zip(&self.blocked) {
+            if !blocked {
+                self.outcomes[shadow.slot as usize].radiance += shadow.radiance;
+            }
+        }
+    }
+}
+
+impl Next {
+    /// The path ends here.
+    pub const END: Next = Next {
+        ray: None,
+        shadow: None,
+    };
+}

@@ -1,0 +1,104 @@
+//! The numbers that drive one path: independent, or Owen-scrambled Sobol points.
+//!
+//! A path draws its numbers in blocks of four. Block 0 is the camera's (place on the film, place on the
+//! lens); each vertex then takes two. Which number means what never depends on what happened before at
+//! other vertices of the same path, so Sobol dimensions keep their meaning from sample to sample.
+
+use super::rng::{Pcg32, hash_all};
+
+/// Sobol blocks that `sobol_burley` provides; later vertices fall back to independent numbers.
+const SOBOL_BLOCKS: u32 = sobol_burley::NUM_DIMENSION_SETS_4D;
+/// Sobol points before `sobol_burley` repeats; a new scramble starts then.
+const SOBOL_POINTS: u64 = 1 << 16;
+
+/// The stream of numbers of one sample of one pixel.
+///
+/// The same `(seed, pixel, sample)` gives the same numbers on any thread, in any order.
+#[derive(Clone, Copy, Debug)]
+pub struct PathSampler {
+    rng: Pcg32,
+    index: u32,
+    scramble: u32,
+    /// Next Sobol block; `u32::MAX` draws independent numbers.
+    block: u32,
+}
+
+impl PathSampler {
+    /// Independent numbers.
+    #[inline]
+    pub fn independent(seed: u64, pixel: u64, sample: u64) -> Self {
+        let stream = hash_all([seed, pixel]);
+        Self {
+            rng: Pcg32::new(hash_all([stream, sample]), stream),
+            index: 0,
+            scramble: 0,
+            block: u32::MAX,
+        }
+    }
+
+    /// Owen-scrambled Sobol points (Burley 2020), scrambled differently in every pixel.
+    #[inline]
+    pub fn sobol(seed: u64, pixel: u64, sample: u64) -> Self {
+        let scramble = hash_all([seed, pixel, sample / SOBOL_POINTS]);
+        Self {
+            rng: Pcg32::new(hash_all([scramble, sample]), pixel),
+            index: (sample % SOBOL_POINTS) as u32,
+            scramble: scramble as u32,
+            block: 0,
+        }
+    }
+
+    /// The next four numbers, each in `[0, 1)`.
+    #[inline]
+    pub fn next4(&mut self) -> [f32; 4] {
+        if self.block < SOBOL_BLOCKS {
+            let block = self.block;
+            self.block += 1;
+            return sobol_burley::sample_4d(self.index, block, self.scramble);
+        }
+        std::array::from_fn(|_| self.rng.next_f32())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn streams_of_neighbouring_pixels_and_samples_are_uncorrelated() {
+        // 2^16 pairs: the correlation of independent numbers has a standard error of 2^-8.
+        let first = |s: &mut PathSampler| s.next4()[0] - 0.5;
+        for shift in [(0, 1), (1, 0), (1, 1)] {
+            let mut sum = 0.0;
+            for pixel in 0..256u64 {
+                for sample in 0..256u64 {
+                    let a = first(&mut PathSampler::independent(7, pixel, sample));
+                    let b = first(&mut PathSampler::independent(
+                        7,
+                        pixel + shift.0,
+                        sample + shift.1,
+                    ));
+                    sum += f64::from(a * b) * 12.0;
+                }
+            }
+            assert!((sum / 65536.0).abs() < 4.0 / 256.0, "{shift:?} {sum}");
+        }
+    }
+
+    #[test]
+    fn sobol_blocks_are_stratified_and_end_in_independent_numbers() {
+        let mut counts = [0u32; 64];
+        for sample in 0..64 {
+            let x = PathSampler::sobol(1, 2, sample).next4();
+            counts[(x[0] * 8.0) as usize * 8 + (x[1] * 8.0) as usize] += 1;
+        }
+        assert!(
+            counts.iter().all(|&c| c == 1),
+            "a (0,2)-net puts one point in each cell"
+        );
+        let mut s = PathSampler::sobol(1, 2, 3);
+        for _ in 0..1000 {
+            assert!(s.next4().iter().all(|x| (0.0..1.0).contains(x)));
+        }
+    }
+}

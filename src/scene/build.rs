@@ -1,0 +1,163 @@
+//! A scene ready to render: the description's shapes handed to the ray tracer, its emitters made
+//! samplable, its materials resolved on demand.
+
+use super::description::{Description, Geometry, Mesh, Shape};
+use super::surface::{DARK, Form, Needs, Surface, Surfaces};
+use crate::accel::{self, AccelError, Backend, BuildSettings, RayQuery, World};
+use crate::bsdf::Materials;
+use crate::image::ImageError;
+use crate::light::{Emitter, EmitterShape, Lights};
+use crate::math::Affine3A;
+use crate::texture::MeshAttributes;
+use std::sync::Arc;
+
+/// A scene ready to render, from any camera.
+pub struct Scene {
+    /// Surfaces and their materials.
+    pub surfaces: Arc<Surfaces>,
+    /// Emitters.
+    pub lights: Lights,
+    /// The ray tracer.
+    pub rays: Box<dyn RayQuery>,
+}
+
+/// A scene could not be built.
+#[derive(Debug, thiserror::Error)]
+pub enum BuildError {
+    /// The ray tracer refused.
+    #[error(transparent)]
+    Accel(#[from] AccelError),
+    /// An environment map could not be read.
+    #[error(transparent)]
+    Image(#[from] ImageError),
+}
+
+impl Scene {
+    /// Builds the scene. `materials`, `shapes` and `emitters` move out of the description.
+    ///
+    /// # Errors
+    /// When the ray tracer runs out of memory or an environment map cannot be read.
+    pub fn build(
+        description: &mut Description,
+        settings: BuildSettings,
+        backend: Backend,
+    ) -> Result<Self, BuildError> {
+        let materials = std::mem::take(&mut description.materials);
+        let (emitters, glowing) = glowing_shapes(description);
+        let world = world_of(description, &materials);
+        let instances = world
+            .instances
+            .iter()
+            .map(|i| (i.to_world, i.to_world.inverse()))
+            .collect();
+        let instance_groups = world.instances.iter().map(|i| i.group).collect();
+        let list = std::mem::take(&mut description.shapes)
+            .into_iter()
+            .map(|shape| surface_of(shape, &materials))
+            .collect();
+        let surfaces = Arc::new(Surfaces {
+            list,
+            instances,
+            instance_groups,
+            materials,
+        });
+        let rays = accel::build(world, settings, Some(surfaces.clone()), backend)?;
+        let lights = Lights::build(emitters, &glowing, rays.bounds())?;
+        Ok(Self {
+            surfaces,
+            lights,
+            rays,
+        })
+    }
+}
+
+/// The emitters, with area emitters renumbered to the list of glowing shapes that comes with them.
+fn glowing_shapes(description: &mut Description) -> (Vec<Emitter>, Vec<EmitterShape>) {
+    let mut glowing = Vec::new();
+    let mut emitters = std::mem::take(&mut description.emitters);
+    for emitter in &mut emitters {
+        let Emitter::Area { shape, .. } = emitter else {
+            continue;
+        };
+        let source = &description.shapes[*shape as usize];
+        *shape = glowing.len() as u32;
+        glowing.push(match &source.geometry {
+            Geometry::Mesh(mesh) => EmitterShape {
+                shape: accel::Shape::Triangles(mesh.triangles.clone()),
+                uvs: mesh.uvs.clone(),
+                attributes: attributes_of(mesh),
+                flip_normals: false,
+            },
+            Geometry::Exact(exact) => EmitterShape {
+                shape: accel::Shape::Exact(*exact),
+                uvs: None,
+                attributes: None,
+                flip_normals: source.flip_normals,
+            },
+        });
+    }
+    (emitters, glowing)
+}
+
+/// Emitted radiance may come from a mesh attribute: the few meshes that glow give theirs along.
+fn attributes_of(mesh: &Mesh) -> Option<Arc<MeshAttributes>> {
+    let any = !mesh.attributes.list.is_empty();
+    any.then(|| Arc::new(mesh.attributes.clone()))
+}
+
+fn world_of(description: &Description, materials: &Materials) -> World {
+    let mut world = World {
+        groups: vec![Vec::new(); description.groups as usize],
+        ..World::default()
+    };
+    for (id, shape) in description.shapes.iter().enumerate() {
+        let geometry = accel::Geometry {
+            id: id as u32,
+            shape: match &shape.geometry {
+                Geometry::Mesh(mesh) => accel::Shape::Triangles(mesh.triangles.clone()),
+                Geometry::Exact(exact) => accel::Shape::Exact(*exact),
+            },
+            masked: materials.is_masked(shape.material),
+        };
+        match shape.group {
+            Some(group) => world.groups[group as usize].push(geometry),
+            None => world.geometries.push(geometry),
+        }
+    }
+    world.instances = description
+        .instances
+        .iter()
+        .map(|(group, to_world)| accel::Instance {
+            group: *group,
+            to_world: to_affine(to_world),
+        })
+        .collect();
+    world
+}
+
+fn to_affine(m: &crate::math::DAffine3) -> Affine3A {
+    let m3 = m.matrix3;
+    Affine3A::from_cols(
+        m3.x_axis.as_vec3a(),
+        m3.y_axis.as_vec3a(),
+        m3.z_axis.as_vec3a(),
+        m.translation.as_vec3a(),
+    )
+}
+
+fn surface_of(shape: Shape, materials: &Materials) -> Surface {
+    let needs = Needs {
+        tangents: materials.needs_tangents(shape.material),
+        normal_change: materials.needs_normal_change(shape.material),
+    };
+    Surface {
+        form: match shape.geometry {
+            Geometry::Mesh(mesh) => Form::Mesh(mesh),
+            Geometry::Exact(exact) => Form::Exact(exact, shape.flip_normals),
+        },
+        material: shape.material,
+        emitter: shape.emitter.unwrap_or(DARK),
+        group: shape.group,
+        needs,
+    }
+}

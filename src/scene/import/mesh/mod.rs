@@ -1,0 +1,180 @@
+//! Triangle meshes from files: Wavefront OBJ, PLY and Mitsuba's `serialized`.
+//!
+//! ```text
+//!  file --mapped--> bytes --obj, ply, serialized--> Raw --clean--> Mesh
+//! ```
+//!
+//! A reader (`obj`, `ply`, `serialized`) only knows its format: it leaves a `Raw` mesh with positions
+//! already in world space (transformed in `f64`, then rounded once) and indices that are in range.
+//! `clean` makes of it what the renderer may rely on: finite positions, no triangle without area, unit
+//! normals. What it repairs it counts in [`Loaded::warnings`].
+//!
+//! Orientation is Mitsuba 3's: the geometric normal follows the winding of the *transformed*
+//! vertices, so a mirroring `to_world` turns it around; normals from the file go through the inverse
+//! transpose and stay on their side.
+
+mod clean;
+mod crease;
+mod mapped;
+mod normals;
+mod obj;
+mod ply;
+mod polygon;
+mod serialized;
+#[cfg(test)]
+mod tests;
+mod text;
+
+use super::ImportError;
+use crate::math::{DAffine3, DVec3, Vec2, Vec3};
+use crate::scene::description::Mesh;
+use crate::texture::MeshAttribute;
+use std::path::Path;
+
+/// What a scene says about a mesh beside its file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshOptions {
+    /// Object space to world (or group) space.
+    pub to_world: DAffine3,
+    /// Flat shading: normals of the file are dropped and none are computed.
+    pub face_normals: bool,
+    /// Turn the surface around: normals are negated and the winding is reversed.
+    pub flip_normals: bool,
+    /// Replace v by 1 - v. Mitsuba's default is true for OBJ and false for the others.
+    pub flip_tex_coords: bool,
+    /// Rebuild the normals with creases where faces meet at more than this angle, in degrees.
+    /// Normals of the file are dropped.
+    pub max_smooth_angle: Option<f32>,
+    /// Which mesh of a `serialized` file, from 0.
+    pub shape_index: usize,
+    /// Drop what cannot be used (triangles at vertices that are not finite, meshes left without
+    /// triangles) with a warning instead of an error.
+    pub lenient: bool,
+}
+
+impl Default for MeshOptions {
+    fn default() -> Self {
+        Self {
+            to_world: DAffine3::IDENTITY,
+            face_normals: false,
+            flip_normals: false,
+            flip_tex_coords: false,
+            max_smooth_angle: None,
+            shape_index: 0,
+            lenient: false,
+        }
+    }
+}
+
+/// Format of a mesh file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MeshKind {
+    /// Wavefront OBJ.
+    Obj,
+    /// Stanford PLY, ASCII or binary.
+    Ply,
+    /// Mitsuba's `serialized`.
+    Serialized,
+}
+
+impl MeshKind {
+    /// The format a file name's extension stands for, if it is one of ours.
+    pub fn from_path(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+        match extension.as_str() {
+            "obj" => Some(Self::Obj),
+            "ply" => Some(Self::Ply),
+            "serialized" => Some(Self::Serialized),
+            _ => None,
+        }
+    }
+}
+
+/// A mesh, and what had to be repaired in it.
+#[derive(Debug, Default)]
+pub struct Loaded {
+    /// The mesh. Positions are finite, every triangle has an area, normals are of unit length.
+    pub mesh: Mesh,
+    /// Repairs in words, each with how often and where first; without the file's name.
+    pub warnings: Vec<String>,
+}
+
+/// Reads a mesh. Uses rayon's threads; the result does not depend on their number.
+///
+/// Errors name the file with line and column (text) or byte (binary): a file that cannot be opened,
+/// is not of the format, ends early, names vertices that it does not have, holds a position that is
+/// not finite, or has no triangle.
+pub fn load(path: &Path, kind: MeshKind, options: &MeshOptions) -> Result<Loaded, ImportError> {
+    let data = mapped::open(path)?;
+    read(&data, kind, options, path)
+}
+
+/// [`load`] of bytes in memory; `path` is for messages.
+fn read(
+    data: &[u8],
+    kind: MeshKind,
+    options: &MeshOptions,
+    path: &Path,
+) -> Result<Loaded, ImportError> {
+    let raw = match kind {
+        MeshKind::Obj => obj::read(data, options).map_err(|e| e.in_text(data, path)),
+        MeshKind::Ply => ply::read(data, options, path),
+        MeshKind::Serialized => serialized::read(data, options).map_err(|e| e.in_binary(path)),
+    }?;
+    clean::finish(raw, options).map_err(|e| e.in_file(path))
+}
+
+/// A mesh as its reader leaves it. Indices are in range; nothing else is certain.
+#[derive(Default)]
+struct Raw {
+    /// World space.
+    positions: Vec<Vec3>,
+    /// Object space, of any length; zero where the file gives none. One for each position.
+    normals: Option<Vec<Vec3>>,
+    /// One for each position.
+    uvs: Option<Vec<Vec2>>,
+    triangles: Vec<[u32; 3]>,
+    attributes: Vec<MeshAttribute>,
+    /// The file asks for flat shading.
+    flat: bool,
+}
+
+/// Something wrong at a byte of a file.
+#[derive(Debug)]
+struct Fault {
+    offset: usize,
+    message: String,
+}
+
+impl Fault {
+    fn new(offset: usize, message: impl Into<String>) -> Self {
+        Self {
+            offset,
+            message: message.into(),
+        }
+    }
+
+    fn in_text(self, data: &[u8], path: &Path) -> ImportError {
+        ImportError {
+            at: Some(text::location(data, self.offset, path)),
+            file: None,
+            message: self.message,
+            help: None,
+        }
+    }
+
+    fn in_binary(self, path: &Path) -> ImportError {
+        ImportError {
+            at: None,
+            file: Some(path.to_owned()),
+            message: format!("byte {}: {}", self.offset, self.message),
+            help: None,
+        }
+    }
+}
+
+/// A point of the file in world space: one rounding, from `f64` to `f32`.
+#[inline]
+fn place(to_world: &DAffine3, x: f64, y: f64, z: f64) -> Vec3 {
+    to_world.transform_point3(DVec3::new(x, y, z)).as_vec3()
+}

@@ -1,0 +1,110 @@
+//! Any element, row by row: ASCII files, and binary ones whose rows differ in length.
+
+use super::header::{Element, Encoding, Shape, Type};
+use crate::scene::import::mesh::{Fault, text::Cursor};
+
+/// Where values come from.
+pub(super) enum Source<'a> {
+    Text(Cursor<'a>),
+    Binary {
+        data: &'a [u8],
+        pos: usize,
+        big: bool,
+    },
+}
+
+impl<'a> Source<'a> {
+    pub fn new(data: &'a [u8], pos: usize, encoding: Encoding) -> Self {
+        match encoding {
+            Encoding::Ascii => Self::Text(Cursor::new(data, pos)),
+            Encoding::Little | Encoding::Big => Self::Binary {
+                data,
+                pos,
+                big: encoding == Encoding::Big,
+            },
+        }
+    }
+
+    pub fn offset(&self) -> usize {
+        match self {
+            Self::Text(cursor) => cursor.offset(),
+            Self::Binary { pos, .. } => *pos,
+        }
+    }
+
+    /// The next value.
+    #[inline]
+    fn value(&mut self, of: Type) -> Result<f64, Fault> {
+        match self {
+            Self::Text(cursor) => {
+                cursor.skip_white();
+                if cursor.at_end() {
+                    return Err(Fault::new(cursor.offset(), "the file ends too early"));
+                }
+                cursor.number()
+            }
+            Self::Binary { data, pos, big } => {
+                let rest = data.get(*pos..).unwrap_or_default();
+                let value = of.read(rest, *big);
+                let value = value.ok_or_else(|| Fault::new(*pos, "the file ends too early"))?;
+                *pos += of.size();
+                Ok(value)
+            }
+        }
+    }
+
+    fn list_length(&mut self, count: Type) -> Result<usize, Fault> {
+        let at = self.offset();
+        let length = self.value(count)?;
+        if length >= 0.0 && length.fract() == 0.0 && length <= f64::from(u32::MAX) {
+            return Ok(length as usize);
+        }
+        let message = format!("a list cannot have {length} items");
+        Err(Fault::new(at, message))
+    }
+}
+
+/// A row: its single values (zero for lists), the items of the wanted list, and where it stands.
+pub(super) struct Row<'a> {
+    pub values: &'a [f64],
+    pub list: &'a [f64],
+    pub offset: usize,
+}
+
+/// Calls `sink` with each row of `element`; `list` is the list property to keep.
+pub(super) fn rows(
+    source: &mut Source,
+    element: &Element,
+    list: Option<usize>,
+    mut sink: impl FnMut(Row) -> Result<(), Fault>,
+) -> Result<(), Fault> {
+    let mut values = vec![0.0; element.properties.len()];
+    let mut items = Vec::new();
+    if values.is_empty() {
+        return Ok(());
+    }
+    for _ in 0..element.count {
+        let offset = source.offset();
+        items.clear();
+        for (index, property) in element.properties.iter().enumerate() {
+            match property.shape {
+                Shape::Scalar(of) => values[index] = source.value(of)?,
+                Shape::List { count, item } => {
+                    let wanted = list == Some(index);
+                    for _ in 0..source.list_length(count)? {
+                        let value = source.value(item)?;
+                        if wanted {
+                            items.push(value);
+                        }
+                    }
+                }
+            }
+        }
+        sink(Row {
+            values: &values,
+            list: &items,
+            offset,
+        })?;
+    }
+    Ok(())
+}

@@ -1,0 +1,347 @@
+//! From a ray's hit to a point on a surface: position with its rounding error, normals, texture
+//! coordinates and tangents, for triangles and exact shapes, in the world or in an instance.
+
+use super::description::Mesh;
+use crate::accel::{ExactKind, ExactShape, Hit, NO_INSTANCE, Opacity, Ray};
+use crate::bsdf::{MaterialId, Materials};
+use crate::light::EmitterId;
+use crate::math::offset::gamma;
+use crate::math::{Affine3A, Frame, Vec2, Vec3};
+use crate::texture::SurfacePoint;
+use std::f32::consts::{PI, TAU};
+use std::sync::Arc;
+
+/// [`Surface::emitter`] of a surface that does not glow.
+pub const DARK: EmitterId = EmitterId::MAX;
+
+/// Safety factor on the rounding error of a hit point, over the bound of the interpolation alone:
+/// it covers the tests inside the ray tracer. Guarded by the tests `rays_leave_their_surface`.
+const ERROR_SAFETY: f32 = 4.0;
+
+/// A shape as rays meet it.
+#[derive(Debug)]
+pub struct Surface {
+    /// What it is made of.
+    pub form: Form,
+    /// Its material.
+    pub material: MaterialId,
+    /// The emitter it carries, or [`DARK`].
+    pub emitter: EmitterId,
+    /// The group it belongs to, if it does not stand in the world by itself.
+    pub group: Option<u32>,
+    /// What its material asks of [`Surfaces::point`].
+    pub needs: Needs,
+}
+
+/// What a surface is made of.
+#[derive(Debug)]
+pub enum Form {
+    /// Triangles.
+    Mesh(Arc<Mesh>),
+    /// An exact shape, with its normal turned around or not.
+    Exact(ExactShape, bool),
+}
+
+/// Differentials that a material reads; the others are not computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Needs {
+    /// Tangents along u and v (textures, anisotropy, normal maps).
+    pub tangents: bool,
+    /// Change of the normal with u and v (bump maps).
+    pub normal_change: bool,
+}
+
+/// All surfaces of a scene.
+#[derive(Debug)]
+pub struct Surfaces {
+    /// Indexed by [`Hit::shape`].
+    pub list: Vec<Surface>,
+    /// Indexed by [`Hit::instance`]: group to world and back.
+    pub instances: Vec<(Affine3A, Affine3A)>,
+    /// Indexed by [`Hit::instance`]: the group that stands there.
+    pub instance_groups: Vec<u32>,
+    /// All materials.
+    pub materials: Materials,
+}
+
+impl Surfaces {
+    /// The point where `ray` met something. `footprint` is the width of the ray's cone there.
+    #[inline]
+    pub fn point(&self, ray: &Ray, hit: &Hit, footprint: f32) -> SurfacePoint<'_> {
+        let surface = &self.list[hit.shape as usize];
+        if hit.instance == NO_INSTANCE {
+            let mut point = surface.local_point(ray.at(hit.t), hit);
+            point.footprint = footprint;
+            return point;
+        }
+        let (to_world, to_group) = &self.instances[hit.instance as usize];
+        let met = to_group.transform_point3(ray.at(hit.t));
+        let mut point = to_world_point(surface.local_point(met, hit), to_world, to_group);
+        point.footprint = footprint;
+        point
+    }
+}
+
+impl Opacity for Surfaces {
+    fn opacity(&self, hit: &Hit) -> f32 {
+        let surface = &self.list[hit.shape as usize];
+        // Opacity is read from a texture: only texture coordinates matter, and those need no ray for
+        // triangles. Exact shapes carry theirs in the hit.
+        let point = match &surface.form {
+            Form::Mesh(_) => surface.local_point(Vec3::ZERO, hit),
+            Form::Exact(..) => SurfacePoint::at_uv(Vec2::new(hit.u, hit.v)),
+        };
+        self.materials.opacity(surface.material, &point)
+    }
+}
+
+impl Surface {
+    /// The point in the shape's own space (world space unless it is in a group).
+    #[inline]
+    fn local_point(&self, met: Vec3, hit: &Hit) -> SurfacePoint<'_> {
+        match &self.form {
+            Form::Mesh(mesh) => mesh_point(mesh, hit, self.needs),
+            Form::Exact(shape, flip) => exact_point(shape, *flip, met, hit),
+        }
+    }
+}
+
+fn mesh_point<'a>(mesh: &'a Mesh, hit: &Hit, needs: Needs) -> SurfacePoint<'a> {
+    let vertices = mesh.triangles.triangles()[hit.prim as usize];
+    let [a, b, c] = mesh.triangles.corners(hit.prim);
+    let (e1, e2) = (b - a, c - a);
+    let w = 1.0 - hit.u - hit.v;
+    let p = a * w + b * hit.u + c * hit.v;
+    let error = (a.abs() * w.abs() + b.abs() * hit.u.abs() + c.abs() * hit.v.abs())
+        * (ERROR_SAFETY * gamma(7));
+    let ng = e1.cross(e2).normalize_or(Vec3::Z);
+
+    let corner_uvs = mesh
+        .uvs
+        .as_ref()
+        .map(|uvs| vertices.map(|i| uvs[i as usize]));
+    let uv = corner_uvs.map_or(Vec2::new(hit.u, hit.v), |[ta, tb, tc]| {
+        ta * w + tb * hit.u + tc * hit.v
+    });
+    let corner_normals = mesh
+        .normals
+        .as_ref()
+        .map(|normals| vertices.map(|i| normals[i as usize]));
+    let n = corner_normals.map_or(ng, |[na, nb, nc]| {
+        (na * w + nb * hit.u + nc * hit.v).normalize_or(ng)
+    });
+
+    let mut point = SurfacePoint {
+        p,
+        error,
+        ng,
+        frame: Frame {
+            s: Vec3::X,
+            t: Vec3::Y,
+            n,
+        },
+        dp_du: Vec3::ZERO,
+        dp_dv: Vec3::ZERO,
+        dn_du: Vec3::ZERO,
+        dn_dv: Vec3::ZERO,
+        uv,
+        footprint: 0.0,
+        prim: hit.prim,
+        vertices,
+        barycentric: Vec2::new(hit.u, hit.v),
+        attributes: (!mesh.attributes.list.is_empty()).then_some(&mesh.attributes),
+    };
+    if !needs.tangents {
+        point.frame = Frame::new(n);
+        return point;
+    }
+    let along = UvInverse::new(corner_uvs);
+    (point.dp_du, point.dp_dv) = along.map_or_else(|| tangents_of(ng), |m| m.apply(e1, e2));
+    point.frame = Frame::with_tangent(n, point.dp_du);
+    if needs.normal_change {
+        if let (Some(m), Some([na, nb, nc])) = (along, corner_normals) {
+            let (du, dv) = m.apply(nb - na, nc - na);
+            let scale = (na * w + nb * hit.u + nc * hit.v)
+                .length()
+                .max(1e-6)
+                .recip();
+            point.dn_du = (du - n * n.dot(du)) * scale;
+            point.dn_dv = (dv - n * n.dot(dv)) * scale;
+        }
+    }
+    point
+}
+
+/// Tangents where the texture coordinates give none.
+fn tangents_of(n: Vec3) -> (Vec3, Vec3) {
+    let frame = Frame::new(n);
+    (frame.s, frame.t)
+}
+
+/// The inverse of the map from a triangle's edges to texture coordinates.
+#[derive(Clone, Copy)]
+struct UvInverse {
+    d1: Vec2,
+    d2: Vec2,
+    inv_det: f32,
+}
+
+impl UvInverse {
+    /// `None` where the coordinates are missing or collapse to a line.
+    #[inline]
+    fn new(uvs: Option<[Vec2; 3]>) -> Option<Self> {
+        let [a, b, c] = uvs?;
+        let (d1, d2) = (b - a, c - a);
+        let det = d1.perp_dot(d2);
+        // Below this the tangents would be rounding noise: 2^-40 of the coordinates' own area.
+        if det.abs() <= 1e-12 * d1.length_squared().max(d2.length_squared()) || !det.is_finite() {
+            return None;
+        }
+        Some(Self {
+            d1,
+            d2,
+            inv_det: det.recip(),
+        })
+    }
+
+    /// Derivatives along u and v of a quantity that changes by `e1`, `e2` along the edges.
+    #[inline]
+    fn apply(&self, e1: Vec3, e2: Vec3) -> (Vec3, Vec3) {
+        (
+            (e1 * self.d2.y - e2 * self.d1.y) * self.inv_det,
+            (e2 * self.d1.x - e1 * self.d2.x) * self.inv_det,
+        )
+    }
+}
+
+/// Unit-space position, normal and tangents of an exact shape at a hit, with the position pulled onto the shape.
+struct UnitPoint {
+    p: Vec3,
+    n: Vec3,
+    dp_du: Vec3,
+    dp_dv: Vec3,
+}
+
+fn unit_point(kind: ExactKind, q: Vec3) -> UnitPoint {
+    match kind {
+        ExactKind::Sphere => {
+            let p = q.normalize_or(Vec3::Z);
+            let r = p.truncate().length();
+            let (cos, sin) = if r > 0.0 {
+                (p.x / r, p.y / r)
+            } else {
+                (1.0, 0.0)
+            };
+            UnitPoint {
+                p,
+                n: p,
+                dp_du: Vec3::new(-p.y, p.x, 0.0) * TAU,
+                dp_dv: Vec3::new(p.z * cos, p.z * sin, -r) * PI,
+            }
+        }
+        ExactKind::Disk => {
+            let p = Vec3::new(q.x, q.y, 0.0);
+            let r = p.length();
+            let out = if r > 0.0 { p / r } else { Vec3::X };
+            UnitPoint {
+                p,
+                n: Vec3::Z,
+                dp_du: out,
+                dp_dv: Vec3::new(-p.y, p.x, 0.0) * TAU,
+            }
+        }
+        ExactKind::Cylinder => {
+            let out = Vec3::new(q.x, q.y, 0.0).normalize_or(Vec3::X);
+            UnitPoint {
+                p: Vec3::new(out.x, out.y, q.z),
+                n: out,
+                dp_du: Vec3::new(-out.y, out.x, 0.0) * TAU,
+                dp_dv: Vec3::Z,
+            }
+        }
+        ExactKind::Rectangle => UnitPoint {
+            p: Vec3::new(q.x, q.y, 0.0),
+            n: Vec3::Z,
+            dp_du: Vec3::X * 2.0,
+            dp_dv: Vec3::Y * 2.0,
+        },
+    }
+}
+
+/// Bound on the change of a curved unit shape's normal: the unit sphere's second fundamental form is
+/// the identity, so the normal changes as the position does.
+fn exact_point<'a>(shape: &ExactShape, flip: bool, met: Vec3, hit: &Hit) -> SurfacePoint<'a> {
+    let unit = unit_point(shape.kind, shape.to_object.transform_point3(met));
+    let sign = if flip { -1.0 } else { 1.0 };
+    let p = shape.to_world.transform_point3(unit.p);
+    let ng = normal_to_world(&shape.to_object, unit.n) * sign;
+    let dp_du = shape.to_world.transform_vector3(unit.dp_du);
+    let dp_dv = shape.to_world.transform_vector3(unit.dp_dv);
+    let (dn_du, dn_dv) = match shape.kind {
+        ExactKind::Sphere | ExactKind::Cylinder => {
+            let radius = dp_du.length().max(1e-30) / unit.dp_du.length().max(1e-30);
+            let along = if shape.kind == ExactKind::Sphere {
+                dp_dv
+            } else {
+                Vec3::ZERO
+            };
+            (dp_du * (sign / radius), along * (sign / radius))
+        }
+        ExactKind::Disk | ExactKind::Rectangle => (Vec3::ZERO, Vec3::ZERO),
+    };
+    SurfacePoint {
+        p,
+        error: transform_error(&shape.to_world, unit.p),
+        ng,
+        frame: Frame::with_tangent(ng, dp_du),
+        dp_du,
+        dp_dv,
+        dn_du,
+        dn_dv,
+        uv: Vec2::new(hit.u, hit.v),
+        footprint: 0.0,
+        prim: 0,
+        vertices: [0; 3],
+        barycentric: Vec2::ZERO,
+        attributes: None,
+    }
+}
+
+/// A normal through the inverse transpose of the map whose inverse is given.
+fn normal_to_world(to_object: &Affine3A, n: Vec3) -> Vec3 {
+    (to_object.matrix3.transpose() * n).normalize_or(Vec3::Z)
+}
+
+/// Rounding error of `map.transform_point3(p)` for an exact `p`: three products and three sums on each axis.
+fn transform_error(map: &Affine3A, p: Vec3) -> Vec3 {
+    let m = &map.matrix3;
+    let terms = Vec3::from(m.x_axis.abs()) * p.x.abs()
+        + Vec3::from(m.y_axis.abs()) * p.y.abs()
+        + Vec3::from(m.z_axis.abs()) * p.z.abs()
+        + Vec3::from(map.translation.abs());
+    terms * (ERROR_SAFETY * gamma(7))
+}
+
+fn to_world_point<'a>(
+    local: SurfacePoint<'a>,
+    to_world: &Affine3A,
+    to_group: &Affine3A,
+) -> SurfacePoint<'a> {
+    let m = &to_world.matrix3;
+    let carried = Vec3::from(m.x_axis.abs()) * local.error.x
+        + Vec3::from(m.y_axis.abs()) * local.error.y
+        + Vec3::from(m.z_axis.abs()) * local.error.z;
+    let n = normal_to_world(to_group, local.frame.n);
+    let dp_du = to_world.transform_vector3(local.dp_du);
+    SurfacePoint {
+        p: to_world.transform_point3(local.p),
+        error: carried + transform_error(to_world, local.p),
+        ng: normal_to_world(to_group, local.ng),
+        frame: Frame::with_tangent(n, dp_du),
+        dp_du,
+        dp_dv: to_world.transform_vector3(local.dp_dv),
+        dn_du: (to_group.matrix3.transpose() * local.dn_du),
+        dn_dv: (to_group.matrix3.transpose() * local.dn_dv),
+        ..local
+    }
+}

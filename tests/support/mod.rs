@@ -1,0 +1,261 @@
+//! Scenes made in code, and how to render them, for the tests beside this folder.
+
+#![allow(dead_code, missing_docs)]
+
+use std::sync::Arc;
+use twintree::accel::{Backend, BuildSettings, ExactKind, ExactShape, TriangleMesh};
+use twintree::bsdf::{Material, MaterialId, Materials};
+use twintree::camera::{Camera, CameraDescription, FovAxis, Projection};
+use twintree::film::{Film, FilmDescription, FilmKind, filter::Filter};
+use twintree::integrate::PathSettings;
+use twintree::integrate::guiding::Guide;
+use twintree::integrate::render::{Limits, Observer, Progress, Summary, View, render};
+use twintree::light::Emitter;
+use twintree::math::{Affine3A, DAffine3, DVec3, Rgb, Vec3};
+use twintree::scene::description::{RenderDescription, SamplerKind};
+use twintree::scene::{Description, Geometry, Mesh, Scene, Shape};
+use twintree::texture::Texture;
+
+/// A scene under construction.
+pub struct SceneMaker {
+    pub description: Description,
+}
+
+/// A constant grey.
+pub fn grey(value: f32) -> Texture {
+    Texture::Constant(Rgb::splat(value))
+}
+
+impl SceneMaker {
+    /// An empty scene seen from `eye` towards `target`, `size` pixels square.
+    pub fn new(eye: Vec3, target: Vec3, fov_degrees: f64, size: u32) -> Self {
+        let forward = (target - eye).as_dvec3().normalize();
+        let up = if forward.y.abs() > 0.99 {
+            DVec3::X
+        } else {
+            DVec3::Y
+        };
+        let left = up.cross(forward).normalize();
+        let to_world = DAffine3::from_cols(left, forward.cross(left), forward, eye.as_dvec3());
+        let projection = Projection::Perspective {
+            fov_degrees,
+            fov_axis: FovAxis::X,
+            principal_point: [0.0, 0.0],
+        };
+        Self {
+            description: Description {
+                shapes: Vec::new(),
+                groups: 0,
+                instances: Vec::new(),
+                materials: Materials::default(),
+                emitters: Vec::new(),
+                camera: CameraDescription {
+                    to_world,
+                    projection,
+                    near_clip: 1e-4,
+                    far_clip: 1e9,
+                },
+                film: FilmDescription {
+                    width: size,
+                    height: size,
+                    crop: None,
+                    filter: Filter::Box { radius: 0.5 },
+                    kind: FilmKind::Hdr,
+                    exposure: 0.0,
+                },
+                render: RenderDescription::default(),
+                warnings: Vec::new(),
+            },
+        }
+    }
+
+    pub fn material(&mut self, material: Material) -> MaterialId {
+        self.description.materials.push(material)
+    }
+
+    pub fn diffuse(&mut self, reflectance: f32) -> MaterialId {
+        self.material(Material::Diffuse {
+            reflectance: grey(reflectance),
+        })
+    }
+
+    /// Adds a shape; with `glow`, an emitter of that radiance.
+    pub fn shape(
+        &mut self,
+        geometry: Geometry,
+        material: MaterialId,
+        glow: Option<f32>,
+        flip: bool,
+    ) {
+        let shape = self.description.shapes.len() as u32;
+        let emitter = glow.map(|radiance| {
+            self.description.emitters.push(Emitter::Area {
+                shape,
+                radiance: grey(radiance),
+            });
+            (self.description.emitters.len() - 1) as u32
+        });
+        self.description.shapes.push(Shape {
+            name: format!("shape {shape}"),
+            geometry,
+            material,
+            emitter,
+            flip_normals: flip,
+            group: None,
+        });
+    }
+
+    pub fn emitter(&mut self, emitter: Emitter) {
+        self.description.emitters.push(emitter);
+    }
+
+    pub fn exact(&mut self, kind: ExactKind, to_world: Affine3A) -> Geometry {
+        Geometry::Exact(ExactShape::new(kind, to_world))
+    }
+
+    pub fn sphere(
+        &mut self,
+        center: Vec3,
+        radius: f32,
+        material: MaterialId,
+        glow: Option<f32>,
+        flip: bool,
+    ) {
+        let place = Affine3A::from_translation(center) * Affine3A::from_scale(Vec3::splat(radius));
+        let geometry = self.exact(ExactKind::Sphere, place);
+        self.shape(geometry, material, glow, flip);
+    }
+
+    /// Builds the scene with a backend.
+    pub fn build(mut self, backend: Backend) -> Built {
+        let camera = Camera::new(
+            &self.description.camera,
+            self.description.film.width,
+            self.description.film.height,
+        );
+        let settings = BuildSettings {
+            robust: true,
+            ..BuildSettings::default()
+        };
+        let scene =
+            Scene::build(&mut self.description, settings, backend).expect("the scene builds");
+        Built {
+            scene,
+            camera,
+            film: self.description.film,
+        }
+    }
+}
+
+/// A mesh from corners, flat shaded.
+pub fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Geometry {
+    let triangles = Arc::new(TriangleMesh::new(positions, triangles).expect("indices in range"));
+    Geometry::Mesh(Arc::new(Mesh {
+        triangles,
+        ..Mesh::default()
+    }))
+}
+
+/// The inside of the cube `[-h, h]^3`: normals point inwards.
+pub fn inside_of_cube(h: f32) -> Geometry {
+    let corner = |i: u32| {
+        let side = |bit: u32| if i & bit == 0 { -h } else { h };
+        Vec3::new(side(1), side(2), side(4))
+    };
+    let faces = [
+        [0, 1, 3, 2],
+        [4, 6, 7, 5],
+        [0, 4, 5, 1],
+        [2, 3, 7, 6],
+        [0, 2, 6, 4],
+        [1, 5, 7, 3],
+    ];
+    let triangles = faces
+        .iter()
+        .flat_map(|f| [[f[0], f[1], f[2]], [f[0], f[2], f[3]]])
+        .collect();
+    mesh((0..8).map(corner).collect(), triangles)
+}
+
+/// A scene ready to render.
+pub struct Built {
+    pub scene: Scene,
+    pub camera: Camera,
+    pub film: FilmDescription,
+}
+
+struct Silent;
+
+impl Observer for Silent {
+    fn pass_done(&self, _: &Progress, _: &Film) {}
+    fn should_stop(&self) -> bool {
+        false
+    }
+}
+
+/// Path settings of the tests: unlimited depth unless changed.
+pub fn settings() -> PathSettings {
+    PathSettings {
+        max_depth: u32::MAX,
+        rr_depth: 5,
+        hide_emitters: false,
+        strict_normals: false,
+        sampler: SamplerKind::Independent,
+        seed: 1,
+    }
+}
+
+impl Built {
+    /// Renders `spp` samples a pixel, unguided.
+    pub fn render(&self, settings: &PathSettings, spp: u64) -> (Film, Summary) {
+        self.render_guided(settings, spp, None)
+    }
+
+    /// Renders `spp` samples a pixel.
+    pub fn render_guided(
+        &self,
+        settings: &PathSettings,
+        spp: u64,
+        guide: Option<&Guide>,
+    ) -> (Film, Summary) {
+        let mut film = Film::new(&self.film);
+        let limits = Limits {
+            spp,
+            time: None,
+            noise: None,
+        };
+        let view = View {
+            scene: &self.scene,
+            camera: &self.camera,
+            film: &self.film,
+            settings,
+            guide,
+        };
+        let summary = render(&view, &mut film, &limits, &Silent);
+        (film, summary)
+    }
+
+    /// Mean of the image over all pixels and channels, with its standard error from the pixels' own variances.
+    pub fn mean(&self, settings: &PathSettings, spp: u64) -> (f64, f64) {
+        film_mean(&self.render(settings, spp).0)
+    }
+}
+
+/// Mean of a grey film over all pixels and channels, with its standard error from the pixels' own variances.
+pub fn film_mean(film: &Film) -> (f64, f64) {
+    let mut sum = 0.0;
+    let mut variance = 0.0;
+    let mut count = 0.0;
+    for y in 0..film.height() {
+        for x in 0..film.width() {
+            let (mean, var) = (film.pixel(x, y).mean(), film.pixel(x, y).variance_of_mean());
+            for c in 0..3 {
+                sum += mean[c];
+                variance += var[c];
+                count += 1.0;
+            }
+        }
+    }
+    // The three channels of a grey scene are the same number: their errors add up linearly.
+    (sum / count, (3.0 * variance).sqrt() / count)
+}
