@@ -9,9 +9,9 @@ use twintree::light::Emitter;
 use twintree::math::{Affine3A, Rgb, Vec3};
 
 fn backends() -> Vec<Backend> {
-    let mut list = vec![Backend::Obvhs];
+    let mut list = vec![Backend::default()];
     if cfg!(feature = "embree") {
-        list.push(Backend::default());
+        list.push(Backend::Obvhs);
     }
     list
 }

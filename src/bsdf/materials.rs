@@ -1,6 +1,7 @@
 //! All materials of a scene, with what is computed once for each.
 
 use super::material::{Material, Roughness};
+use super::plain::Form;
 use super::resolve::Resolver;
 use super::transmittance::{RoughTransmittance, rough_transmittance};
 use super::{Bsdf, MaterialId};
@@ -65,13 +66,22 @@ impl Materials {
     }
 
     /// Resolves material `id` at a point seen from direction `wo` (unit, away from the surface).
+    #[inline]
     pub fn resolve(&self, id: MaterialId, point: &SurfacePoint, wo: Vec3) -> Bsdf {
+        if let Some(plain) = self.resolve_plain(id, point, wo) {
+            return plain;
+        }
+        self.resolve_tree(id, point, wo)
+    }
+
+    fn resolve_tree(&self, id: MaterialId, point: &SurfacePoint, wo: Vec3) -> Bsdf {
         let frame = point.frame;
-        let local = frame.to_local(wo);
+        let tree = Resolver::new(self, point).resolve(id, &frame, frame.to_local(wo));
         Bsdf {
             frame,
             ng: point.ng,
-            tree: Resolver::new(self, point).resolve(id, &frame, local),
+            flags: tree.flags(tree.root()),
+            form: Form::Tree(tree),
         }
     }
 

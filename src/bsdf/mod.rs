@@ -9,7 +9,8 @@
 //! path came from, `wi` towards where it goes on. `eval` includes the factor |cos theta_i|.
 
 use crate::math::{Frame, Rgb, Vec2, Vec3};
-use tree::Tree;
+use lobes::Lobe;
+use plain::Form;
 
 /// Index of a [`Material`] in [`Materials`].
 pub type MaterialId = u32;
@@ -76,6 +77,7 @@ mod materials;
 mod microfacet;
 mod needs;
 mod perturb;
+mod plain;
 mod resolve;
 mod transmittance;
 mod tree;
@@ -91,7 +93,8 @@ pub use materials::Materials;
 pub struct Bsdf {
     frame: Frame,
     ng: Vec3,
-    tree: Tree,
+    flags: LobeFlags,
+    form: Form,
 }
 
 /// Largest correction for shading normals: what exceeds it is a ray that grazes a bad normal, and
@@ -115,8 +118,9 @@ fn normal_correction(wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3) -> f32 {
 
 impl Bsdf {
     /// What its lobes do, together.
+    #[inline]
     pub fn flags(&self) -> LobeFlags {
-        self.tree.flags(self.tree.root())
+        self.flags
     }
 
     /// f(wo, wi) |cos theta_i|, without delta lobes.
@@ -130,9 +134,13 @@ impl Bsdf {
     }
 
     /// `eval` and `pdf` together: cheaper than one after the other.
+    #[inline]
     pub fn eval_pdf(&self, wo: Vec3, wi: Vec3, transport: Transport) -> (Rgb, f32) {
         let (o, i) = (self.frame.to_local(wo), self.frame.to_local(wi));
-        let (value, pdf) = self.tree.eval_pdf(self.tree.root(), o, i, transport);
+        let (value, pdf) = match &self.form {
+            Form::Diffuse(diffuse) => diffuse.eval_pdf(o, i, transport),
+            Form::Tree(tree) => tree.eval_pdf(tree.root(), o, i, transport),
+        };
         match transport {
             Transport::Radiance => (value, pdf),
             Transport::Importance => (value * self.correction(wo, wi), pdf),
@@ -141,6 +149,7 @@ impl Bsdf {
 
     /// Draws a direction. `u_lobe` chooses among lobes, `u` inside one. `None` where nothing scatters
     /// (absorbed, below the horizon): a sample of value zero, never to be drawn again.
+    #[inline]
     pub fn sample(
         &self,
         wo: Vec3,
@@ -149,9 +158,10 @@ impl Bsdf {
         transport: Transport,
     ) -> Option<BsdfSample> {
         let o = self.frame.to_local(wo);
-        let local = self
-            .tree
-            .sample(self.tree.root(), o, u_lobe, u, transport)?;
+        let local = match &self.form {
+            Form::Diffuse(diffuse) => diffuse.sample(o, u_lobe, u, transport)?,
+            Form::Tree(tree) => tree.sample(tree.root(), o, u_lobe, u, transport)?,
+        };
         let mut s = BsdfSample {
             wi: self.frame.to_world(local.wi),
             ..local
@@ -171,7 +181,9 @@ impl Bsdf {
     /// sides does, or where a bump or normal map turns the horizon.
     #[inline]
     pub fn light_normal(&self, wo: Vec3) -> Vec3 {
-        if self.flags().has(LobeFlags::TRANSMISSION) || self.tree.turns_normal() {
+        if self.flags().has(LobeFlags::TRANSMISSION)
+            || matches!(&self.form, Form::Tree(tree) if tree.turns_normal())
+        {
             return Vec3::ZERO;
         }
         let n = self.frame.n;
@@ -179,15 +191,22 @@ impl Bsdf {
     }
 
     /// Reflectance for the albedo AOV (OIDN's meaning: about the colour a denoiser should keep; 1 for clear glass and mirrors).
+    #[inline]
     pub fn albedo(&self) -> Rgb {
-        self.tree
-            .albedo(self.tree.root())
-            .clamp(Rgb::ZERO, Rgb::ONE)
+        let albedo = match &self.form {
+            Form::Diffuse(diffuse) => diffuse.reflectance,
+            Form::Tree(tree) => tree.albedo(tree.root()),
+        };
+        albedo.clamp(Rgb::ZERO, Rgb::ONE)
     }
 
     /// Smallest roughness alpha among the smooth lobes: 1 for diffuse, 0 if there is none. Decides what guiding may touch.
+    #[inline]
     pub fn roughness(&self) -> f32 {
-        self.tree.roughness(self.tree.root()).unwrap_or(0.0)
+        match &self.form {
+            Form::Diffuse(_) => 1.0,
+            Form::Tree(tree) => tree.roughness(tree.root()).unwrap_or(0.0),
+        }
     }
 }
 

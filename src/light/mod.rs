@@ -1,9 +1,45 @@
 //! Emitters: what shines, how it is sampled from a point (next-event estimation) and how photons leave it.
+//!
+//! Lights fall into two sets. *Local* ones are in the scene: triangles, exact shapes, points. They are
+//! the leaves of a [light tree](tree), so that choosing among a million takes twenty steps. *Distant* ones
+//! are outside: images, skies, suns, parallel light; there are few, and each knows what it may send to a
+//! surface with a given normal. Which set a sample comes from follows both estimates at the point.
+//!
+//! Every probability depends on the point and its normal alone, and `pdf_*` computes it from them with
+//! the operations that `sample` uses: the densities agree bit for bit.
 
-use crate::accel::{Bounds, Shape};
-use crate::math::{Affine3A, Rgb, Vec2, Vec3};
-use crate::texture::{SurfacePoint, Texture};
-use std::sync::Arc;
+use crate::math::{Rgb, Vec2, Vec3};
+use crate::texture::SurfacePoint;
+
+mod area;
+mod build;
+mod cluster;
+mod description;
+mod distant;
+mod emission;
+mod environment;
+mod exact;
+mod latlong;
+mod leaf;
+mod point;
+mod projector;
+mod quad;
+mod sphere;
+mod spot;
+mod sunsky;
+#[cfg(test)]
+mod tests;
+mod tree;
+mod tree_build;
+mod triangle;
+
+pub use description::{Emitter, EmitterShape, SunSky};
+pub use emission::Emission;
+
+use area::{AreaEmitter, DARK};
+use distant::Distant;
+use leaf::Leaf;
+use tree::LightTree;
 
 /// Index of an emitter in [`Lights`].
 pub type EmitterId = u32;
@@ -25,160 +61,166 @@ pub struct LightSample {
     pub delta: bool,
 }
 
-/// How a sky or sun is described: Mitsuba's `sun`, `sky` and `sunsky`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SunSky {
-    /// Include the sky dome.
-    pub sky: bool,
-    /// Include the sun.
-    pub sun: bool,
-    /// Unit direction towards the sun in the emitter's own coordinates.
-    pub sun_direction: Vec3,
-    /// Atmospheric turbidity, 1 to 10.
-    pub turbidity: f32,
-    /// Albedo of the ground.
-    pub albedo: Rgb,
-    /// Factor on the sky's radiance.
-    pub sky_scale: f32,
-    /// Factor on the sun's radiance.
-    pub sun_scale: f32,
-    /// Angular radius of the sun's disk in degrees (`sunRadiusScale` / `sun_aperture` applied).
-    pub sun_radius_degrees: f32,
-    /// Extend the horizon below (Mitsuba 0.x `stretch`), 1 to 2.
-    pub stretch: f32,
-    /// Which program's conventions: +Y is up in Mitsuba 0.x, +Z in Mitsuba 3.
-    pub z_up: bool,
-}
-
-/// An emitter as a scene file describes it. Positions and directions are in world space.
-#[derive(Clone, Debug)]
-pub enum Emitter {
-    /// A shape that glows on the side of its normal.
-    Area {
-        /// Index into the shapes given to [`Lights::build`].
-        shape: u32,
-        /// Emitted radiance.
-        radiance: Texture,
-    },
-    /// A point.
-    Point {
-        /// Where.
-        position: Vec3,
-        /// Power per solid angle.
-        intensity: Rgb,
-    },
-    /// A point with a cone.
-    Spot {
-        /// Local to world: shines along local +z.
-        to_world: Affine3A,
-        /// Power per solid angle on the axis.
-        intensity: Rgb,
-        /// Half-angle where the light ends, degrees.
-        cutoff_degrees: f32,
-        /// Half-angle where it begins to fall off (linearly in the angle), degrees.
-        beam_degrees: f32,
-        /// Image projected through the cone.
-        texture: Option<Texture>,
-    },
-    /// Parallel light from far away.
-    Directional {
-        /// Unit direction the light travels in.
-        direction: Vec3,
-        /// Irradiance on a surface facing it.
-        irradiance: Rgb,
-    },
-    /// The same radiance from everywhere around.
-    Constant {
-        /// Radiance.
-        radiance: Rgb,
-    },
-    /// A latitude-longitude image around the scene.
-    EnvironmentMap {
-        /// The file (read through [`crate::image`]).
-        path: std::path::PathBuf,
-        /// Factor on the values.
-        scale: f32,
-        /// Local to world; local +y is up, the image's centre is at local +z (Mitsuba's convention).
-        to_world: Affine3A,
-        /// Exponent that overrides the file's own curve.
-        gamma: Option<f32>,
-    },
-    /// A sky after Hosek and Wilkie, with or without a sun.
-    SunSky {
-        /// Parameters.
-        settings: SunSky,
-        /// Factor `scale` on both.
-        scale: f32,
-        /// Emitter's coordinates to world.
-        to_world: Affine3A,
-    },
-    /// A slide projector.
-    Projector {
-        /// Local to world: projects along local +z.
-        to_world: Affine3A,
-        /// The slide.
-        irradiance: Texture,
-        /// Factor.
-        scale: f32,
-        /// Full horizontal field of view, degrees.
-        fov_degrees: f32,
-        /// Slide width over height.
-        aspect: f32,
-    },
-}
-
-/// The geometry of a shape that glows.
-#[derive(Clone, Debug)]
-pub struct EmitterShape {
-    /// Triangles or an exact shape, in world space.
-    pub shape: Shape,
-    /// Texture coordinates of a mesh's vertices, if it has any.
-    pub uvs: Option<Arc<Vec<Vec2>>>,
-    /// The normal is turned around.
-    pub flip_normals: bool,
-}
-
 /// All emitters of a scene, ready to sample.
 #[derive(Debug)]
-pub struct Lights {}
-
-/// A photon at the moment it leaves its light.
-#[derive(Clone, Copy, Debug)]
-pub struct Emission {
-    /// Where it starts.
-    pub org: Vec3,
-    /// Unit direction it travels in.
-    pub dir: Vec3,
-    /// Unit normal of the emitting surface; zero for emitters without one.
-    pub ng: Vec3,
-    /// Power it carries: the emitter's radiance times cosine over the density of (emitter, position, direction).
-    pub power: Rgb,
-    /// Which emitter.
-    pub emitter: EmitterId,
+pub struct Lights {
+    /// One for each emitter of the description; `None` for those that are no area lights.
+    areas: Vec<Option<AreaEmitter>>,
+    local: Option<Local>,
+    distant: Vec<(EmitterId, Distant)>,
+    emission: Option<emission::Sources>,
+    rejected_texels: usize,
 }
 
-impl Lights {
-    /// Prepares emitters for sampling. `shapes` are the glowing shapes in the order [`Emitter::Area`]
-    /// numbers them; `bounds` holds the whole scene.
-    pub fn build(
-        emitters: Vec<Emitter>,
-        shapes: &[EmitterShape],
-        bounds: Bounds,
-    ) -> Result<Self, crate::image::ImageError> {
-        let _ = (emitters, shapes, bounds);
-        unimplemented!()
-    }
+/// The lights in the scene.
+#[derive(Debug)]
+struct Local {
+    leaves: Vec<(EmitterId, Leaf)>,
+    tree: LightTree,
+    /// Strengths in the tree are relative to this, so that no product of them leaves the range of `f32`.
+    unit: f32,
+}
 
+/// Least and greatest probability of the distant lights where both sets can send light: neither
+/// estimate knows what is hidden.
+const DISTANT_SHARE: [f32; 2] = [0.2, 0.8];
+
+impl Lights {
     /// Samples a direction towards light from the point `p`. `n` is the surface normal there (zero
     /// where light from all sides counts). `u[0]` chooses the emitter, `u[1..3]` a point on it.
     /// `None` where no light can arrive.
+    #[inline]
     pub fn sample(&self, p: Vec3, n: Vec3, u: [f32; 3]) -> Option<LightSample> {
-        let _ = (p, n, u);
-        unimplemented!()
+        let place = Vec2::new(u[1], u[2]);
+        let share = self.distant_share(p, n);
+        let mut pick = u[0];
+        let sample = if pick < share {
+            pick /= share;
+            self.sample_distant(n, share, pick, place)
+        } else {
+            pick = (pick - share) / (1.0 - share);
+            self.sample_local(p, n, 1.0 - share, pick, place)
+        }?;
+        let above = n == Vec3::ZERO || sample.dir.dot(n) > 0.0;
+        above.then_some(sample)
+    }
+
+    /// Probability that [`Lights::sample`] draws from the distant lights.
+    #[inline]
+    fn distant_share(&self, p: Vec3, n: Vec3) -> f32 {
+        let Some(local) = &self.local else { return 1.0 };
+        if self.distant.is_empty() {
+            return 0.0;
+        }
+        let far = self.distant_importance(n);
+        if far <= 0.0 {
+            return 0.0;
+        }
+        let near = local.tree.importance(p, n) * local.unit;
+        if near <= 0.0 {
+            return 1.0;
+        }
+        let [least, most] = DISTANT_SHARE;
+        // Written as a ratio of one to the other, which cannot overflow to not a number.
+        (1.0 / (1.0 + near / far)).clamp(least, most)
+    }
+
+    #[inline]
+    fn distant_importance(&self, n: Vec3) -> f32 {
+        self.distant.iter().map(|(_, d)| d.importance(n)).sum()
+    }
+
+    #[inline]
+    fn sample_local(
+        &self,
+        p: Vec3,
+        n: Vec3,
+        share: f32,
+        pick: f32,
+        u: Vec2,
+    ) -> Option<LightSample> {
+        let local = self.local.as_ref()?;
+        let (index, probability) = local.choose(p, n, pick, u)?;
+        let probability = probability * share;
+        let (emitter, leaf) = &local.leaves[index];
+        if let Some(incident) = leaf.sample(p, u) {
+            let area = self.areas[*emitter as usize].as_ref()?;
+            let q = p + incident.dir * incident.distance;
+            return Some(LightSample {
+                dir: incident.dir,
+                distance: incident.distance,
+                radiance: area.radiance_at(q, -incident.dir, incident.place),
+                pdf: incident.pdf * probability,
+                delta: false,
+            });
+        }
+        let incident = leaf.delta(p)?;
+        Some(LightSample {
+            dir: incident.dir,
+            distance: incident.distance,
+            radiance: incident.irradiance,
+            pdf: probability,
+            delta: true,
+        })
+    }
+
+    #[inline]
+    fn sample_distant(&self, n: Vec3, share: f32, pick: f32, u: Vec2) -> Option<LightSample> {
+        let total = self.distant_importance(n);
+        let mut rest = pick * total;
+        let (mut chosen, mut weight) = (None, 0.0);
+        for (_, light) in &self.distant {
+            let w = light.importance(n);
+            if w <= 0.0 {
+                continue;
+            }
+            (chosen, weight) = (Some(light), w);
+            if rest < w {
+                break;
+            }
+            rest -= w;
+        }
+        let light = chosen?;
+        let (dir, _) = light.sample(n, u)?;
+        if let Distant::Parallel { irradiance, .. } = light {
+            return Some(LightSample {
+                dir,
+                distance: f32::INFINITY,
+                radiance: *irradiance,
+                pdf: weight / total * share,
+                delta: true,
+            });
+        }
+        // What a ray along `dir` would meet, from all of them, with the density of drawing it from any.
+        let pdf = self.distant_pdf(n, dir) * share;
+        (pdf > 0.0 && pdf.is_finite()).then(|| LightSample {
+            dir,
+            distance: f32::INFINITY,
+            radiance: self.environment(dir),
+            pdf,
+            delta: false,
+        })
+    }
+
+    #[inline]
+    fn distant_pdf(&self, n: Vec3, dir: Vec3) -> f32 {
+        if let [(_, only)] = self.distant.as_slice() {
+            return only.pdf(n, dir);
+        }
+        let (mut pdf, mut total) = (0.0, 0.0);
+        for (_, light) in &self.distant {
+            let w = light.importance(n);
+            total += w;
+            if w > 0.0 {
+                pdf += w * light.pdf(n, dir);
+            }
+        }
+        if total > 0.0 { pdf / total } else { 0.0 }
     }
 
     /// Density (solid angle, selection included) with which [`Lights::sample`] at `p`, `n` draws the
     /// direction to the point `q` of triangle `prim` of area emitter `emitter`; `ng` is the unit geometric normal at `q`.
+    #[inline]
     pub fn pdf_area(
         &self,
         p: Vec3,
@@ -188,47 +230,101 @@ impl Lights {
         q: Vec3,
         ng: Vec3,
     ) -> f32 {
-        let _ = (p, n, emitter, prim, q, ng);
-        unimplemented!()
+        let (Some(local), Some(Some(area))) = (&self.local, self.areas.get(emitter as usize))
+        else {
+            return 0.0;
+        };
+        let leaf = area.leaf(prim);
+        if leaf == DARK || (n != Vec3::ZERO && n.dot(q - p) <= 0.0) {
+            return 0.0;
+        }
+        let leaf = leaf as usize;
+        let density = local.leaves[leaf].1.pdf(p, q, ng);
+        if density <= 0.0 {
+            return 0.0;
+        }
+        let share = 1.0 - self.distant_share(p, n);
+        density * local.tree.probability(p, n, leaf) * share
     }
 
     /// Density (solid angle, selection included) with which [`Lights::sample`] at `p`, `n` draws `dir`
     /// from environments (maps, skies, suns, constants) together.
+    #[inline]
     pub fn pdf_environment(&self, p: Vec3, n: Vec3, dir: Vec3) -> f32 {
-        let _ = (p, n, dir);
-        unimplemented!()
+        if self.distant.is_empty() || (n != Vec3::ZERO && n.dot(dir) <= 0.0) {
+            return 0.0;
+        }
+        let density = self.distant_pdf(n, dir);
+        if density <= 0.0 {
+            return 0.0;
+        }
+        density * self.distant_share(p, n)
     }
 
     /// Radiance that area emitter `emitter` sends from `point` along `wo` (unit, away from the surface); 0 from its dark side.
+    #[inline]
     pub fn emitted(&self, emitter: EmitterId, point: &SurfacePoint, wo: Vec3) -> Rgb {
-        let _ = (emitter, point, wo);
-        unimplemented!()
+        match self.areas.get(emitter as usize) {
+            Some(Some(area)) if point.ng.dot(wo) > 0.0 => area.radiance(point),
+            _ => Rgb::ZERO,
+        }
     }
 
     /// Radiance arriving from outside the scene along the ray direction `dir` (the sum over environments).
+    #[inline]
     pub fn environment(&self, dir: Vec3) -> Rgb {
-        let _ = dir;
-        unimplemented!()
+        self.distant
+            .iter()
+            .fold(Rgb::ZERO, |sum, (_, d)| sum + d.radiance(dir))
     }
 
     /// Whether any light comes from outside the scene in a way that a ray can meet.
     pub fn has_environment(&self) -> bool {
-        unimplemented!()
-    }
-
-    /// Starts a photon: chooses an emitter by power, a position and a direction. `None` if nothing shines.
-    pub fn emit(&self, u: [f32; 5]) -> Option<Emission> {
-        let _ = u;
-        unimplemented!()
+        self.distant.iter().any(|(_, d)| !d.is_delta())
     }
 
     /// How many emitters there are (a mesh that glows counts once).
     pub fn len(&self) -> usize {
-        unimplemented!()
+        self.areas.len()
     }
 
     /// Whether nothing shines.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Channel values of environment maps that were negative, infinite or not numbers and count as 0.
+    pub fn rejected_texels(&self) -> usize {
+        self.rejected_texels
+    }
+
+    /// Bytes held by the light tree and by environments, without meshes and textures shared with the scene.
+    pub fn memory_bytes(&self) -> usize {
+        let local = self.local.as_ref().map_or(0, |l| {
+            l.tree.memory_bytes() + l.leaves.len() * size_of::<(EmitterId, Leaf)>()
+        });
+        let distant: usize = self
+            .distant
+            .iter()
+            .map(|(_, d)| match d {
+                Distant::Map(map) => map.memory_bytes(),
+                _ => size_of::<Distant>(),
+            })
+            .sum();
+        local + distant
+    }
+}
+
+impl Local {
+    /// Chooses a leaf that may send light to `p`.
+    #[inline]
+    fn choose(&self, p: Vec3, n: Vec3, pick: f32, u: Vec2) -> Option<(usize, f32)> {
+        if self.leaves.len() == 1 {
+            return Some((0, 1.0));
+        }
+        // 24 bits are too few to tell millions of lights apart: the others' hash extends them.
+        let salt = u64::from(u.x.to_bits()) << 32 | u64::from(u.y.to_bits());
+        let wide = f64::from(crate::math::distribution::widen(pick, salt));
+        self.tree.sample(p, n, wide * (1.0 / 4_294_967_296.0))
     }
 }

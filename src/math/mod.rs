@@ -1,6 +1,7 @@
 //! Mathematics that knows nothing of rendering's other rooms: vectors and colours, orthonormal frames,
 //! warps from the unit square, random numbers, and arithmetic that neither overflows nor loses digits.
 
+pub mod distribution;
 pub mod equal_area;
 pub mod frame;
 pub mod mis;

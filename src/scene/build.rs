@@ -1,13 +1,14 @@
 //! A scene ready to render: the description's shapes handed to the ray tracer, its emitters made
 //! samplable, its materials resolved on demand.
 
-use super::description::{Description, Geometry, Shape};
+use super::description::{Description, Geometry, Mesh, Shape};
 use super::surface::{DARK, Form, Needs, Surface, Surfaces};
 use crate::accel::{self, AccelError, Backend, BuildSettings, RayQuery, World};
 use crate::bsdf::Materials;
 use crate::image::ImageError;
 use crate::light::{Emitter, EmitterShape, Lights};
 use crate::math::Affine3A;
+use crate::texture::MeshAttributes;
 use std::sync::Arc;
 
 /// A scene ready to render, from any camera.
@@ -82,16 +83,24 @@ fn glowing_shapes(description: &mut Description) -> (Vec<Emitter>, Vec<EmitterSh
             Geometry::Mesh(mesh) => EmitterShape {
                 shape: accel::Shape::Triangles(mesh.triangles.clone()),
                 uvs: mesh.uvs.clone(),
+                attributes: attributes_of(mesh),
                 flip_normals: false,
             },
             Geometry::Exact(exact) => EmitterShape {
                 shape: accel::Shape::Exact(*exact),
                 uvs: None,
+                attributes: None,
                 flip_normals: source.flip_normals,
             },
         });
     }
     (emitters, glowing)
+}
+
+/// Emitted radiance may come from a mesh attribute: the few meshes that glow give theirs along.
+fn attributes_of(mesh: &Mesh) -> Option<Arc<MeshAttributes>> {
+    let any = !mesh.attributes.list.is_empty();
+    any.then(|| Arc::new(mesh.attributes.clone()))
 }
 
 fn world_of(description: &Description, materials: &Materials) -> World {

@@ -11,6 +11,11 @@ pub(in crate::bsdf) struct Diffuse {
     pub reflectance: Rgb,
 }
 
+impl Diffuse {
+    /// What every diffuse reflection does.
+    pub const FLAGS: LobeFlags = GLOSSY_REFLECTION;
+}
+
 impl Lobe for Diffuse {
     #[inline]
     fn eval_pdf(&self, wo: Vec3, wi: Vec3, _: Transport) -> (Rgb, f32) {

@@ -5,6 +5,7 @@ use super::models::{facets, gold};
 use super::resolved;
 use crate::bsdf::material::Distribution;
 use crate::bsdf::perturb::{Perturbation, bumped_normal};
+use crate::bsdf::plain::Form;
 use crate::bsdf::tree::Node;
 use crate::bsdf::{Materials, Transport};
 use crate::math::{Frame, Rgb, Vec2, Vec3};
@@ -68,7 +69,9 @@ fn bump_maps_agree() {
             let mut materials = Materials::default();
             let inner = materials.push(gold(facets(Distribution::Ggx, 0.15, 0.5)));
             let point = SurfacePoint::at_uv(Vec2::ZERO);
-            let mut tree = materials.resolve(inner, &point, wo).tree;
+            let Form::Tree(mut tree) = materials.resolve(inner, &point, wo).form else {
+                panic!("a conductor is a tree");
+            };
             let inner = tree.root();
             let root = tree.push(Node::Perturbed(Perturbation::new(n, wo), inner));
             tree.eval_pdf(root, wo, wi, Transport::Radiance)

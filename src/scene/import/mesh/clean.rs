@@ -35,7 +35,7 @@ impl Unusable {
 /// Checks and repairs `raw`, gives it normals where it needs them, and packs it.
 pub(super) fn finish(mut raw: Raw, options: &MeshOptions) -> Result<Loaded, Unusable> {
     let mut warnings = Vec::new();
-    check_size(&raw)?;
+    check_size(&raw, options)?;
     check_positions(&mut raw, options, &mut warnings)?;
     drop_degenerate(&mut raw, &mut warnings);
     repair_values(&mut raw, &mut warnings);
@@ -56,14 +56,18 @@ pub(super) fn finish(mut raw: Raw, options: &MeshOptions) -> Result<Loaded, Unus
     pack(raw, warnings)
 }
 
-/// The ray tracers number vertices and triangles with 32 bits.
-fn check_size(raw: &Raw) -> Result<(), Unusable> {
+/// The ray tracers number vertices and triangles with 32 bits, creases the corners of triangles.
+fn check_size(raw: &Raw, options: &MeshOptions) -> Result<(), Unusable> {
     let most = raw.positions.len().max(raw.triangles.len());
-    if most < u32::MAX as usize {
+    let limit = match options.max_smooth_angle {
+        None => u32::MAX as usize,
+        Some(_) => u32::MAX as usize / 3,
+    };
+    if most < limit {
         return Ok(());
     }
     Err(Unusable {
-        message: format!("{most} vertices or triangles in one mesh, more than 4294967294"),
+        message: format!("{most} vertices or triangles in one mesh: {limit} are too many"),
         help: Some("split the mesh into several files"),
     })
 }

@@ -4,10 +4,10 @@
 //!  file --mapped--> bytes --obj, ply, serialized--> Raw --clean--> Mesh
 //! ```
 //!
-//! A reader ([`obj`], [`ply`], [`serialized`]) only knows its format: it leaves a [`Raw`] mesh with
-//! positions already in world space (transformed in `f64`, then rounded once) and indices that are
-//! in range. [`clean`] makes of it what the renderer may rely on: finite positions, no triangle
-//! without area, unit normals. What it repairs it counts in [`Loaded::warnings`].
+//! A reader (`obj`, `ply`, `serialized`) only knows its format: it leaves a `Raw` mesh with positions
+//! already in world space (transformed in `f64`, then rounded once) and indices that are in range.
+//! `clean` makes of it what the renderer may rely on: finite positions, no triangle without area, unit
+//! normals. What it repairs it counts in [`Loaded::warnings`].
 //!
 //! Orientation is Mitsuba 3's: the geometric normal follows the winding of the *transformed*
 //! vertices, so a mirroring `to_world` turns it around; normals from the file go through the inverse

@@ -26,7 +26,7 @@ pub(super) struct Block {
     /// Corners of each face.
     pub sizes: Vec<u32>,
     /// Which indices (3 * corner + stream) are relative to the block.
-    relative: Vec<u32>,
+    relative: Vec<usize>,
 }
 
 /// Parses the lines in `range`.
@@ -63,7 +63,7 @@ impl Block {
     /// Resolves relative indices: `before` is what the file holds before this block.
     pub fn make_absolute(&mut self, before: [usize; 3]) {
         for &slot in &self.relative {
-            let (corner, stream) = (slot as usize / 3, slot as usize % 3);
+            let (corner, stream) = (slot / 3, slot % 3);
             self.corners[corner][stream] += before[stream] as i64;
         }
     }
@@ -156,7 +156,7 @@ impl Block {
         if index >= 0 {
             return Ok(index);
         }
-        self.relative.push((self.corners.len() * 3 + stream) as u32);
+        self.relative.push(self.corners.len() * 3 + stream);
         Ok(self.counts()[stream] as i64 + index + 1)
     }
 

@@ -1,10 +1,10 @@
 //! Tests of the mesh readers, against meshes written here.
 
 mod cleaning;
+mod files;
 mod formats;
 mod hostile;
 mod shading;
-mod shared;
 mod write;
 
 use super::*;

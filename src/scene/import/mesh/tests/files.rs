@@ -1,4 +1,5 @@
-//! Meshes by others, where they are at hand: `TWINTREE_SHARED_SCENES` names the folder of test scenes.
+//! Meshes in files: the project's own, and those by others where they are at hand
+//! (`TWINTREE_SHARED_SCENES` names their folder).
 
 use super::*;
 use std::path::PathBuf;
@@ -43,7 +44,6 @@ fn the_kitchen_loads_without_an_error() {
         eprintln!("skipped: TWINTREE_SHARED_SCENES has no kitchen");
         return;
     };
-    let start = std::time::Instant::now();
     let mut triangles = 0;
     let mut files: Vec<_> = std::fs::read_dir(kitchen)
         .unwrap()
@@ -55,10 +55,30 @@ fn the_kitchen_loads_without_an_error() {
         let loaded = loaded.unwrap_or_else(|e| panic!("{e}"));
         triangles += loaded.mesh.triangles.triangles().len();
     }
-    eprintln!(
-        "{} files, {triangles} triangles, {:?}",
-        files.len(),
-        start.elapsed()
-    );
     assert!(triangles > 1_000_000, "{triangles}");
+}
+
+#[test]
+fn the_project_s_own_meshes_need_no_repair() {
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let mut count = 0;
+    for scene in std::fs::read_dir(scenes)
+        .unwrap()
+        .map(|s| s.unwrap().path())
+    {
+        let Ok(files) = std::fs::read_dir(&scene) else {
+            continue;
+        };
+        for path in files.map(|f| f.unwrap().path()) {
+            let Some(kind) = MeshKind::from_path(&path) else {
+                continue;
+            };
+            let loaded = load(&path, kind, &MeshOptions::default());
+            let Loaded { mesh, warnings } = loaded.unwrap_or_else(|e| panic!("{e}"));
+            assert!(warnings.is_empty(), "{}: {warnings:?}", path.display());
+            assert!(area(&mesh) > 0.0);
+            count += 1;
+        }
+    }
+    assert!(count >= 20, "{count}");
 }

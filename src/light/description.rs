@@ -1,0 +1,121 @@
+//! Emitters as a scene file describes them.
+
+use crate::accel::Shape;
+use crate::math::{Affine3A, Rgb, Vec2, Vec3};
+use crate::texture::{MeshAttributes, Texture};
+use std::sync::Arc;
+
+/// How a sky or sun is described: Mitsuba's `sun`, `sky` and `sunsky`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SunSky {
+    /// Include the sky dome.
+    pub sky: bool,
+    /// Include the sun.
+    pub sun: bool,
+    /// Unit direction towards the sun in the emitter's own coordinates.
+    pub sun_direction: Vec3,
+    /// Atmospheric turbidity, 1 to 10.
+    pub turbidity: f32,
+    /// Albedo of the ground.
+    pub albedo: Rgb,
+    /// Factor on the sky's radiance.
+    pub sky_scale: f32,
+    /// Factor on the sun's radiance.
+    pub sun_scale: f32,
+    /// Angular radius of the sun's disk in degrees (`sunRadiusScale` / `sun_aperture` applied).
+    pub sun_radius_degrees: f32,
+    /// Extend the horizon below (Mitsuba 0.x `stretch`), 1 to 2.
+    pub stretch: f32,
+    /// Which program's conventions: +Y is up in Mitsuba 0.x, +Z in Mitsuba 3.
+    pub z_up: bool,
+}
+
+/// An emitter as a scene file describes it. Positions and directions are in world space.
+#[derive(Clone, Debug)]
+pub enum Emitter {
+    /// A shape that glows on the side of its normal.
+    Area {
+        /// Index into the shapes given to [`super::Lights::build`].
+        shape: u32,
+        /// Emitted radiance.
+        radiance: Texture,
+    },
+    /// A point.
+    Point {
+        /// Where.
+        position: Vec3,
+        /// Power per solid angle.
+        intensity: Rgb,
+    },
+    /// A point with a cone.
+    Spot {
+        /// Local to world: shines along local +z.
+        to_world: Affine3A,
+        /// Power per solid angle on the axis.
+        intensity: Rgb,
+        /// Half-angle where the light ends, degrees.
+        cutoff_degrees: f32,
+        /// Half-angle where it begins to fall off (linearly in the angle), degrees.
+        beam_degrees: f32,
+        /// Image projected through the cone.
+        texture: Option<Texture>,
+    },
+    /// Parallel light from far away.
+    Directional {
+        /// Unit direction the light travels in.
+        direction: Vec3,
+        /// Irradiance on a surface facing it.
+        irradiance: Rgb,
+    },
+    /// The same radiance from everywhere around.
+    Constant {
+        /// Radiance.
+        radiance: Rgb,
+    },
+    /// A latitude-longitude image around the scene.
+    EnvironmentMap {
+        /// The file (read through [`crate::image`]).
+        path: std::path::PathBuf,
+        /// Factor on the values.
+        scale: f32,
+        /// Local to world; local +y is up, the image's centre is at local +z (Mitsuba's convention).
+        to_world: Affine3A,
+        /// Exponent that overrides the file's own curve.
+        gamma: Option<f32>,
+    },
+    /// A sky after Hosek and Wilkie, with or without a sun.
+    SunSky {
+        /// Parameters.
+        settings: SunSky,
+        /// Factor `scale` on both.
+        scale: f32,
+        /// Emitter's coordinates to world.
+        to_world: Affine3A,
+    },
+    /// A slide projector.
+    Projector {
+        /// Local to world: projects along local +z.
+        to_world: Affine3A,
+        /// The slide.
+        irradiance: Texture,
+        /// Factor.
+        scale: f32,
+        /// Full horizontal field of view, degrees.
+        fov_degrees: f32,
+        /// Slide width over height.
+        aspect: f32,
+    },
+}
+
+/// The geometry of a shape that glows.
+#[derive(Clone, Debug)]
+pub struct EmitterShape {
+    /// Triangles or an exact shape, in world space.
+    pub shape: Shape,
+    /// Texture coordinates of a mesh's vertices, if it has any.
+    pub uvs: Option<Arc<Vec<Vec2>>>,
+    /// Attributes of the mesh, for a radiance that comes from them.
+    pub attributes: Option<Arc<MeshAttributes>>,
+    /// The normal is turned around.
+    pub flip_normals: bool,
+}

@@ -1,0 +1,223 @@
+//! Radiance from far away as a latitude-longitude image, sampled by importance.
+//!
+//! The layout is Mitsuba 3's: local +y is up, row 0 is the zenith and the last row the end of the map
+//! (the nadir); column centres lie half a column apart from the seam, which is at local -z. Values are
+//! bilinear between texels, and so is the density: a cell between four texels is chosen by the sum of
+//! their weights (brightness times sine of the polar angle), then a place in it from the bilinear
+//! patch through them. Where a sun covers a few texels the density follows its flanks exactly.
+
+use crate::math::distribution::{Grid, sample_linear, widen};
+use crate::math::rgb::selection_weight;
+use crate::math::{Mat3, Rgb, Vec2, Vec3};
+use std::f32::consts::{FRAC_1_PI, TAU};
+
+/// A latitude-longitude image ready to sample.
+#[derive(Debug)]
+pub(super) struct LatLong {
+    width: usize,
+    height: usize,
+    pixels: Vec<Rgb>,
+    cells: Grid,
+    /// Weight of each row: the sine of its polar angle, above 0 at the poles.
+    row_weight: Vec<f32>,
+    /// Polar angle of the last row.
+    theta_max: f32,
+    to_world: Mat3,
+    to_local: Mat3,
+    integral: Rgb,
+}
+
+/// The four texels around a direction and where it lies between them.
+struct Patch {
+    x: usize,
+    y: usize,
+    at: Vec2,
+    sin_theta: f32,
+}
+
+impl LatLong {
+    /// Takes over `pixels` (rows from the top). `None` if the image is black or smaller than 1 by 2.
+    /// `theta_max` is the polar angle of the last row: pi for the whole sphere.
+    pub fn new(size: [usize; 2], pixels: Vec<Rgb>, theta_max: f32, to_world: Mat3) -> Option<Self> {
+        let [width, height] = size;
+        if width == 0 || height < 2 || pixels.len() != width * height {
+            return None;
+        }
+        let step = theta_max / (height - 1) as f32;
+        let row_weight: Vec<f32> = (0..height)
+            .map(|y| {
+                // At a pole the sine is 0, but the cells beside it are not: a quarter of a row's
+                // width keeps a bright pole from never being sampled.
+                (y as f32 * step).sin().max((0.25 * step).sin())
+            })
+            .collect();
+        let weight = |x: usize, y: usize| {
+            f64::from(selection_weight(pixels[y * width + x % width]) * row_weight[y])
+        };
+        let cells = Grid::new(width, height - 1, |y, row| {
+            for (x, cell) in row.iter_mut().enumerate() {
+                *cell = weight(x, y) + weight(x + 1, y) + weight(x, y + 1) + weight(x + 1, y + 1);
+            }
+        })?;
+        let integral = integrate(&pixels, size, theta_max);
+        Some(Self {
+            width,
+            height,
+            pixels,
+            cells,
+            row_weight,
+            theta_max,
+            to_world,
+            to_local: to_world.inverse(),
+            integral,
+        })
+    }
+
+    /// Integral of the radiance over all directions.
+    pub fn integral(&self) -> Rgb {
+        self.integral
+    }
+
+    /// Radiance from the world direction `dir`.
+    #[inline]
+    pub fn radiance(&self, dir: Vec3) -> Rgb {
+        self.patch(dir)
+            .map_or(Rgb::ZERO, |p| bilinear(self.texels(&p), p.at))
+    }
+
+    /// Density of [`LatLong::sample`] in the world direction `dir`.
+    #[inline]
+    pub fn pdf(&self, dir: Vec3) -> f32 {
+        self.patch(dir).map_or(0.0, |p| {
+            let probability = self.cells.probability(p.x, p.y);
+            self.density(&p, self.weights(&p, &self.texels(&p)), probability)
+        })
+    }
+
+    /// A world direction, the radiance from there, and the density.
+    #[inline]
+    pub fn sample(&self, u: Vec2) -> Option<(Vec3, Rgb, f32)> {
+        let salt = u64::from(u.x.to_bits()) << 32 | u64::from(u.y.to_bits());
+        let (column, row) = self.cells.sample(widen(u.x, salt), widen(u.y, !salt));
+        let mut patch = Patch {
+            x: column.index,
+            y: row.index,
+            at: Vec2::ZERO,
+            sin_theta: 0.0,
+        };
+        let texels = self.texels(&patch);
+        let w = self.weights(&patch, &texels);
+        let t = sample_linear(w[0] + w[1], w[2] + w[3], row.rest);
+        let s = sample_linear(lerp(w[0], w[2], t), lerp(w[1], w[3], t), column.rest);
+        patch.at = Vec2::new(s, t);
+        let phi = (patch.x as f32 + 0.5 + s) * (TAU / self.width as f32);
+        let theta = (patch.y as f32 + t) * (self.theta_max / (self.height - 1) as f32);
+        let (sin_theta, cos_theta) = theta.sin_cos();
+        let (sin_phi, cos_phi) = phi.sin_cos();
+        patch.sin_theta = sin_theta;
+        let pdf = self.density(&patch, w, column.probability * row.probability);
+        if sin_theta <= 0.0 || pdf.is_nan() || pdf <= 0.0 {
+            return None;
+        }
+        let dir = Vec3::new(sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta);
+        let dir = (self.to_world * dir).normalize();
+        Some((dir, bilinear(texels, patch.at), pdf))
+    }
+
+    /// The patch a world direction lies in; `None` beyond the map's last row.
+    #[inline]
+    fn patch(&self, dir: Vec3) -> Option<Patch> {
+        let d = (self.to_local * dir).normalize_or_zero();
+        let sin_theta = Vec2::new(d.x, d.z).length();
+        let theta = sin_theta.atan2(d.y);
+        let v = theta / self.theta_max * (self.height - 1) as f32;
+        // Also sends a direction that is not a number away.
+        if theta.is_nan() || theta > self.theta_max {
+            return None;
+        }
+        let u = d.x.atan2(-d.z) * (0.5 * FRAC_1_PI);
+        let u = (u - u.floor()) * self.width as f32 - 0.5;
+        let u = if u < 0.0 { u + self.width as f32 } else { u };
+        let x = (u as usize).min(self.width - 1);
+        let y = (v as usize).min(self.height - 2);
+        let at = Vec2::new(u - x as f32, v - y as f32);
+        Some(Patch {
+            x,
+            y,
+            at: at.clamp(Vec2::ZERO, Vec2::ONE),
+            sin_theta,
+        })
+    }
+
+    #[inline]
+    fn texels(&self, p: &Patch) -> [Rgb; 4] {
+        let right = if p.x + 1 == self.width { 0 } else { p.x + 1 };
+        let (upper, lower) = (p.y * self.width, (p.y + 1) * self.width);
+        [upper + p.x, upper + right, lower + p.x, lower + right].map(|i| self.pixels[i])
+    }
+
+    /// Sampling weights of the four texels.
+    #[inline]
+    fn weights(&self, p: &Patch, texels: &[Rgb; 4]) -> [f32; 4] {
+        let (upper, lower) = (self.row_weight[p.y], self.row_weight[p.y + 1]);
+        [
+            selection_weight(texels[0]) * upper,
+            selection_weight(texels[1]) * upper,
+            selection_weight(texels[2]) * lower,
+            selection_weight(texels[3]) * lower,
+        ]
+    }
+
+    /// Density in solid angle at a place of a patch that was chosen with `probability`.
+    #[inline]
+    fn density(&self, p: &Patch, w: [f32; 4], probability: f32) -> f32 {
+        let sum = w[0] + w[1] + w[2] + w[3];
+        if sum <= 0.0 || p.sin_theta <= 0.0 {
+            return 0.0;
+        }
+        let here = lerp(lerp(w[0], w[1], p.at.x), lerp(w[2], w[3], p.at.x), p.at.y);
+        let cells = (self.width * (self.height - 1)) as f32;
+        let per_angle = probability * cells * (4.0 * here / sum);
+        per_angle / (TAU * self.theta_max * p.sin_theta)
+    }
+
+    /// Bytes held.
+    pub fn memory_bytes(&self) -> usize {
+        self.pixels.len() * size_of::<Rgb>() + self.cells.memory_bytes()
+    }
+}
+
+#[inline]
+fn lerp(a: f32, b: f32, t: f32) -> f32 {
+    a + (b - a) * t
+}
+
+#[inline]
+fn bilinear(c: [Rgb; 4], at: Vec2) -> Rgb {
+    let upper = c[0] * (1.0 - at.x) + c[1] * at.x;
+    let lower = c[2] * (1.0 - at.x) + c[3] * at.x;
+    upper * (1.0 - at.y) + lower * at.y
+}
+
+/// Integral of the bilinear radiance over solid angle: each row's mean times the integral of the sine
+/// under the row's hat function.
+fn integrate(pixels: &[Rgb], [width, height]: [usize; 2], theta_max: f32) -> Rgb {
+    let step = f64::from(theta_max) / (height - 1) as f64;
+    // Of the sine times a ramp from 0 at a to 1 at b (and for b < a the same with its sign turned).
+    let ramp = |a: f64, b: f64| (b.sin() - a.sin()) / (b - a) - b.cos();
+    let mut total = glam::DVec3::ZERO;
+    for y in 0..height {
+        let row = &pixels[y * width..][..width];
+        let sum: glam::DVec3 = row.iter().map(|c| c.as_dvec3()).sum();
+        let theta = y as f64 * step;
+        let mut hat = 0.0;
+        if y > 0 {
+            hat += ramp(theta - step, theta);
+        }
+        if y + 1 < height {
+            hat -= ramp(theta + step, theta);
+        }
+        total += sum * hat;
+    }
+    (total * (std::f64::consts::TAU / width as f64)).as_vec3()
+}

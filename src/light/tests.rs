@@ -1,0 +1,12 @@
+//! Tests of all lights together: densities against samples, and light against closed forms.
+
+use super::*;
+use crate::accel::{Bounds, ExactKind, ExactShape, Shape, TriangleMesh};
+use crate::math::{Affine3A, Mat3, Pcg32};
+use crate::texture::Texture;
+use std::sync::Arc;
+
+mod closed_form;
+mod density;
+mod emitting;
+mod scenes;

@@ -1,0 +1,1 @@
+//! Photons against the power that lights have.
