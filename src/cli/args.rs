@@ -110,15 +110,15 @@ pub struct CheckArgs {
 /// Arguments of `twintree render`.
 #[derive(Args, Debug)]
 pub struct RenderArgs {
-    /// Scene.
-    #[command(flatten)]
-    pub scene: SceneArgs,
     /// Files.
     #[command(flatten)]
     pub files: FileArgs,
     /// When to stop.
     #[command(flatten)]
     pub stop: StopArgs,
+    /// Scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
     /// Picture.
     #[command(flatten)]
     pub picture: PictureArgs,

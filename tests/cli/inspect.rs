@@ -68,3 +68,23 @@ fn check_of_a_good_scene_says_so_and_writes_nothing() {
     assert_eq!(ran.err, "");
     assert_eq!(place.files(), ["scene.xml"]);
 }
+
+#[test]
+fn every_scene_of_the_project_loads_without_warnings() {
+    let scenes = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let mut found = 0;
+    for folder in std::fs::read_dir(scenes).unwrap() {
+        let folder = folder.unwrap().path();
+        let Ok(files) = std::fs::read_dir(folder) else {
+            continue;
+        };
+        for file in files.map(|f| f.unwrap().path()) {
+            if file.extension().is_some_and(|e| e == "xml") {
+                let ran = Place::new().run(&format!("check {}", file.display())).ok();
+                assert_eq!(ran.err, "", "{}", file.display());
+                found += 1;
+            }
+        }
+    }
+    assert!(found >= 7, "{found} scenes found");
+}
