@@ -16,7 +16,7 @@ esac
 
 packages="g++ pkg-config libclang-dev libembree-dev libopenimageio-dev"
 if ! command -v cargo >/dev/null && [ "${VERSION_ID:-}" != 12 ]; then
-    packages="$packages cargo rustfmt rust-clippy"
+    packages="$packages cargo"
 fi
 export DEBIAN_FRONTEND=noninteractive
 apt-get update
