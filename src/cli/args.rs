@@ -191,7 +191,7 @@ pub struct StopArgs {
     #[arg(long, value_name = "TIME", value_parser = values::duration, help_heading = "Stop at whichever comes first")]
     pub time: Option<Duration>,
     /// Stop at this noise: the expected root of the relative mean squared error
-    #[arg(long, value_name = "NOISE", value_parser = values::noise, help_heading = "Stop at whichever comes first")]
+    #[arg(long, value_name = "NOISE", value_parser = values::noise, allow_negative_numbers = true, help_heading = "Stop at whichever comes first")]
     pub noise: Option<f32>,
 }
 

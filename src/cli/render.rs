@@ -195,10 +195,11 @@ fn warn_of_invalid_samples(film: &Film) {
 }
 
 /// What a file says about how it was made. Nothing that differs from run to run (times, threads), so
-/// that the same picture is the same file.
+/// that the same picture is the same file; without a date of ours OpenImageIO would write the clock's.
 fn attributes(args: &RenderArgs, stats: &Stats) -> Vec<Attribute> {
     vec![
         Attribute::text("Software", format!("twintree {}", stats.version)),
+        Attribute::text("DateTime", ""),
         Attribute::text("twintree:scene", args.scene.scene.display().to_string()),
         Attribute::text("twintree:seed", stats.seed.to_string()),
         Attribute::text("twintree:spp", stats.spp.to_string()),

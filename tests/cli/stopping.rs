@@ -89,8 +89,8 @@ fn an_interrupt_writes_the_image_so_far() {
 #[test]
 fn an_interrupt_while_the_scene_is_read_leaves_nothing() {
     let place = Place::new();
-    // The program waits for a mesh that comes through a pipe, which opens once it is read from.
-    let pipe = place.path("slow.obj");
+    // The program waits for a scene that comes through a pipe, which opens once it is read from.
+    let pipe = place.path("slow.xml");
     assert!(
         Command::new("mkfifo")
             .arg(&pipe)
@@ -98,10 +98,7 @@ fn an_interrupt_while_the_scene_is_read_leaves_nothing() {
             .unwrap()
             .success()
     );
-    let shape = r#"<shape type="obj"><string name="filename" value="slow.obj"/></shape></scene>"#;
-    let scene = super::support::SCENE.replace("</scene>", shape);
-    std::fs::write(place.path("scene.xml"), scene).unwrap();
-    let child = place.spawn("render scene.xml -o a.exr");
+    let child = place.spawn("render slow.xml -o a.exr");
     let writer = std::fs::OpenOptions::new().write(true).open(&pipe).unwrap();
     signal(&child, "INT");
     let ran: Ran = wait(child);
