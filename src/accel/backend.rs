@@ -42,7 +42,9 @@ pub fn build(
         )?)),
         #[cfg(not(feature = "embree"))]
         Backend::Embree => Err(AccelError::NotCompiled("Embree")),
-        Backend::Obvhs => Err(AccelError::NotCompiled("obvhs")),
+        Backend::Obvhs => Ok(Box::new(super::obvhs::Obvhs::build(
+            world, settings, opacity,
+        )?)),
     }
 }
 

@@ -37,8 +37,8 @@ pub enum AccelError {
     },
     /// An instance cannot be placed.
     #[error(
-        "the transformation of instance {instance} cannot be inverted: it has a scale of 0, \
-         or a value that is not finite"
+        "the transformation of instance {instance} cannot be inverted: it has a scale of 0 \
+         (or nearly), or a value that is not finite"
     )]
     SingularInstance {
         /// Index of the instance.

@@ -16,13 +16,13 @@ mod backend;
 pub mod embree;
 mod error;
 mod mask;
+pub mod obvhs;
 pub mod shape;
 mod world;
 
 pub use backend::{Backend, build, prepare_thread};
 pub use error::AccelError;
 pub use shape::{ExactKind, ExactShape};
-use world::{check, world_bounds};
 
 #[cfg(test)]
 mod tests;
@@ -55,12 +55,35 @@ impl Ray {
         }
     }
 
+    /// Whether the ray can be traced at all: coordinates below [`LARGEST`] and a range that is not
+    /// empty. Every other ray meets nothing.
+    #[inline]
+    pub fn is_traceable(&self) -> bool {
+        self.is_traceable_within(OVERFLOW)
+    }
+
+    /// The same with a bound of `LARGEST * OVERFLOW / overflow` for the coordinates.
+    #[inline]
+    pub(crate) fn is_traceable_within(&self, overflow: f32) -> bool {
+        // The first factor takes what is too large to infinity; infinity * 0 is NaN, as NaN * 0 is,
+        // and all else * 0 is 0. A NaN bound fails the comparison.
+        let sum = self.org * overflow * 0.0 + self.dir * overflow * 0.0;
+        (sum.x + sum.y + sum.z == 0.0) & (self.tmin <= self.tmax) & (self.tmax >= 0.0)
+    }
+
     /// The point at distance `t`.
     #[inline]
     pub fn at(&self, t: f32) -> Vec3 {
         self.org + self.dir * t
     }
 }
+
+/// Coordinates (of rays and of geometry) must stay below this, 2^60: their squares would overflow.
+/// Geometry beyond is not found, rays from beyond meet nothing.
+pub const LARGEST: f32 = (1u64 << 60) as f32;
+
+/// 2^68: what reaches [`LARGEST`] times this is infinite.
+pub(crate) const OVERFLOW: f32 = (1u128 << 68) as f32;
 
 /// [`Hit::shape`] of a ray that met nothing.
 pub const MISS: u32 = u32::MAX;

@@ -14,12 +14,35 @@ pub fn check(world: &World) -> Result<(), AccelError> {
                 groups,
             });
         }
-        let inverse = placed.to_world.inverse();
-        if !(placed.to_world.is_finite() && inverse.is_finite()) {
+        let sound = placed.to_world.is_finite() && largest(&placed.to_world.inverse()) < STEEPEST;
+        if !sound {
             return Err(AccelError::SingularInstance { instance });
         }
     }
     Ok(())
+}
+
+/// The steepest way into a group's space: beyond it rays would leave the range of `f32`.
+const STEEPEST: f32 = 1e15;
+
+/// Largest component of a map's linear part; NaN if any is.
+fn largest(map: &Affine3A) -> f32 {
+    let columns = map.matrix3.to_cols_array();
+    if !map.is_finite() {
+        return f32::NAN;
+    }
+    columns.into_iter().fold(0.0, |m, c| m.max(c.abs()))
+}
+
+/// The factor for [`Ray::is_traceable_within`](super::Ray::is_traceable_within) such that a ray which
+/// passes stays below [`LARGEST`](super::LARGEST) in the space of every instance, too.
+pub fn overflow_factor(world: &World) -> f32 {
+    let steepest = world
+        .instances
+        .iter()
+        .map(|i| 4.0 * largest(&i.to_world.inverse()))
+        .fold(1.0, f32::max);
+    super::OVERFLOW * steepest
 }
 
 /// Bounds of all that rays can meet. Triangles with a corner that is not finite do not count: no

@@ -29,7 +29,7 @@ pub(super) fn dielectric(cos_i: f32, eta: f32) -> Interface {
     } else {
         (1.0 / eta, eta)
     };
-    let cos_t2 = 1.0 - (1.0 - cos_i * cos_i).max(0.0) * eta_ti * eta_ti;
+    let cos_t2 = cos2_transmitted(cos_i * cos_i, eta_it, eta_ti);
     let (ci, ct) = (cos_i.abs(), cos_t2.max(0.0).sqrt());
     let r = if eta == 1.0 {
         0.0
@@ -46,6 +46,16 @@ pub(super) fn dielectric(cos_i: f32, eta: f32) -> Interface {
         eta_it,
         eta_ti,
     }
+}
+
+/// Snell's law in squared cosines: `1 - (1 - cos^2) / eta^2`, negative on total reflection. Multiplied out
+/// it keeps its digits at grazing angles with eta near 1; as it stands, at steep ones with small eta.
+#[inline]
+fn cos2_transmitted(cos2: f32, eta_it: f32, eta_ti: f32) -> f32 {
+    if eta_it < 0.5 {
+        return 1.0 - (1.0 - cos2).max(0.0) * eta_ti * eta_ti;
+    }
+    ((eta_it - 1.0) * (eta_it + 1.0) + cos2) * eta_ti * eta_ti
 }
 
 /// Reflectance of a conductor with the complex index `eta + i k` relative to the outside, per channel.

@@ -1,10 +1,12 @@
 //! All materials of a scene, with what is computed once for each.
 
+use super::lookup::{Lookup, sane_eta};
 use super::material::{Material, Roughness};
 use super::plain::Form;
 use super::resolve::Resolver;
 use super::transmittance::{RoughTransmittance, rough_transmittance};
-use super::{Bsdf, MaterialId};
+use super::tree::Tree;
+use super::{Bsdf, LobeFlags, MaterialId};
 use crate::math::{Vec3, luminance};
 use crate::texture::SurfacePoint;
 
@@ -28,7 +30,7 @@ pub(super) struct Prepared {
 fn coat_table(roughness: &Roughness, eta: f32) -> &'static RoughTransmittance {
     let alpha = &roughness.alpha_u;
     let alpha = luminance(alpha.constant().unwrap_or_else(|| alpha.mean()));
-    rough_transmittance(roughness.distribution, alpha, eta)
+    rough_transmittance(roughness.distribution, alpha, sane_eta(eta))
 }
 
 impl Materials {
@@ -66,23 +68,31 @@ impl Materials {
     }
 
     /// Resolves material `id` at a point seen from direction `wo` (unit, away from the surface).
+    // Inlined so that the result is built where the caller keeps it instead of being copied there.
     #[inline]
     pub fn resolve(&self, id: MaterialId, point: &SurfacePoint, wo: Vec3) -> Bsdf {
         if let Some(plain) = self.resolve_plain(id, point, wo) {
             return plain;
         }
-        self.resolve_tree(id, point, wo)
-    }
-
-    fn resolve_tree(&self, id: MaterialId, point: &SurfacePoint, wo: Vec3) -> Bsdf {
-        let frame = point.frame;
-        let tree = Resolver::new(self, point).resolve(id, &frame, frame.to_local(wo));
+        let mut tree = Tree::default();
+        let flags = self.grow(id, point, wo, &mut tree);
         Bsdf {
-            frame,
+            frame: point.frame,
             ng: point.ng,
-            flags: tree.flags(tree.root()),
+            flags,
             form: Form::Tree(tree),
         }
+    }
+
+    /// Fills the tree of material `id` and tells what it does.
+    fn grow(&self, id: MaterialId, point: &SurfacePoint, wo: Vec3, tree: &mut Tree) -> LobeFlags {
+        let lookup = Lookup {
+            materials: self,
+            point,
+        };
+        let mut resolver = Resolver { lookup, tree };
+        resolver.add(id, &point.frame, point.frame.to_local(wo));
+        tree.flags(tree.root())
     }
 
     /// Opacity of material `id` at a point: below 1 only where a [`Material::Mask`] says so. Both sides

@@ -146,15 +146,17 @@ fn beckmann_slope(cos: f32, sin: f32, u: Vec2) -> Vec2 {
     let (mut low, mut high) = (-1.0, erf(cot));
     let target = u.x.clamp(1e-7, 1.0 - 1e-7);
     let norm = 1.0 / (1.0 + high + scale * (-cot * cot).exp());
-    // Exact for grazing angles, where the function is least like a line.
-    let mut x = high - (high + 1.0) * erf((-target.ln()).sqrt());
+    // Jakob's fit of the solution: three rounds then do, at any angle.
+    let theta = sin.atan2(cos);
+    let fit = 1.0 + theta * (-0.876 + theta * (0.4265 - 0.0594 * theta));
+    let mut x = high - (high + 1.0) * (1.0 - target).powf(fit);
     for _ in 0..10 {
         if !(low..=high).contains(&x) {
             x = 0.5 * (low + high);
         }
         let slope = erf_inv(x);
         let value = norm * (1.0 + x + scale * (-slope * slope).exp()) - target;
-        if value.abs() < 1e-6 {
+        if value.abs() < 1e-5 {
             break;
         }
         if value > 0.0 {

@@ -9,7 +9,7 @@
 //! path came from, `wi` towards where it goes on. `eval` includes the factor |cos theta_i|.
 
 use crate::math::{Frame, Rgb, Vec2, Vec3};
-use lobes::Lobe;
+use lobes::{Lobe, weighted};
 use plain::Form;
 
 /// Index of a [`Material`] in [`Materials`].
@@ -72,6 +72,7 @@ pub struct BsdfSample {
 mod fresnel;
 mod layer;
 mod lobes;
+mod lookup;
 pub mod material;
 mod materials;
 mod microfacet;
@@ -162,14 +163,12 @@ impl Bsdf {
             Form::Diffuse(diffuse) => diffuse.sample(o, u_lobe, u, transport)?,
             Form::Tree(tree) => tree.sample(tree.root(), o, u_lobe, u, transport)?,
         };
-        let mut s = BsdfSample {
-            wi: self.frame.to_world(local.wi),
-            ..local
-        };
-        if transport == Transport::Importance {
-            s.weight *= self.correction(wo, s.wi);
+        let wi = self.frame.to_world(local.wi);
+        if transport == Transport::Radiance {
+            return Some(BsdfSample { wi, ..local });
         }
-        Some(s)
+        let weight = local.weight * self.correction(wo, wi);
+        weighted(wi, weight, local.pdf, local.eta, local.lobe)
     }
 
     #[inline]
@@ -203,10 +202,11 @@ impl Bsdf {
     /// Smallest roughness alpha among the smooth lobes: 1 for diffuse, 0 if there is none. Decides what guiding may touch.
     #[inline]
     pub fn roughness(&self) -> f32 {
-        match &self.form {
-            Form::Diffuse(_) => 1.0,
-            Form::Tree(tree) => tree.roughness(tree.root()).unwrap_or(0.0),
-        }
+        let alpha = match &self.form {
+            Form::Diffuse(_) => return 1.0,
+            Form::Tree(tree) => tree.roughness(tree.root()),
+        };
+        alpha.unwrap_or(0.0).min(1.0)
     }
 }
 

@@ -6,6 +6,7 @@
 //! of Estevez et al., "A Microfacet-Based Shadowing Function to Solve the Bump Terminator Problem"
 //! (Ray Tracing Gems, 2019).
 
+use super::lobes::weighted;
 use super::tree::{NodeId, Tree};
 use super::{BsdfSample, Transport, normal_correction};
 use crate::math::{Frame, Rgb, Vec2, Vec3};
@@ -91,11 +92,8 @@ impl Perturbation {
         if wi.z * s.wi.z <= 0.0 {
             return None;
         }
-        Some(BsdfSample {
-            wi,
-            weight: s.weight * self.factor(wo, wi, transport),
-            ..s
-        })
+        let weight = s.weight * self.factor(wo, wi, transport);
+        weighted(wi, weight, s.pdf, s.eta, s.lobe)
     }
 }
 

@@ -2,79 +2,34 @@
 //! turned.
 
 use super::layer::{Coating, Layer, RoughCoating};
-use super::lobes::conductor::{Conductor, Metal, RoughConductor};
-use super::lobes::dielectric::{Dielectric, Null, ThinDielectric};
-use super::lobes::diffuse::{Diffuse, DiffuseTransmitter, RoughDiffuse};
-use super::lobes::phong::Phong;
-use super::lobes::plastic::Plastic;
-use super::lobes::principled as principled_lobe;
-use super::lobes::principled_sheet::{PrincipledSheet, SheetInput};
-use super::lobes::rough_dielectric::{MIN_CONTRAST, RoughDielectric};
-use super::lobes::rough_plastic::RoughPlastic;
-use super::lobes::ward::Ward;
-use super::material::{Principled, PrincipledThin, Roughness};
-use super::microfacet::Microfacet;
+use super::lobes::diffuse::Diffuse;
+use super::lookup::{Lookup, sane_eta};
 use super::perturb::{Perturbation, bumped_normal};
 use super::tree::{Mix, Node, NodeId, Tree};
-use super::{Material, MaterialId, Materials};
-use crate::math::{Frame, Rgb, Vec2, Vec3};
-use crate::texture::{SurfacePoint, Texture};
+use super::{Material, MaterialId};
+use crate::math::{Frame, Vec2, Vec3};
+use crate::texture::Texture;
 
-/// The state of resolving one material at one point.
+/// Resolving one material at one point into a tree.
 pub(super) struct Resolver<'a> {
-    materials: &'a Materials,
-    point: &'a SurfacePoint<'a>,
-    tree: Tree,
+    pub lookup: Lookup<'a>,
+    pub tree: &'a mut Tree,
 }
 
-/// Indices of refraction that the equations bear without overflow.
-fn sane_eta(eta: f32) -> f32 {
-    if eta.is_finite() {
-        eta.clamp(1e-4, 1e4)
-    } else {
-        1.0
-    }
-}
-
-impl<'a> Resolver<'a> {
-    pub fn new(materials: &'a Materials, point: &'a SurfacePoint<'a>) -> Self {
-        Self {
-            materials,
-            point,
-            tree: Tree::default(),
-        }
-    }
-
-    /// The tree of `material`, seen from the local direction `wo`.
-    #[inline]
-    pub fn resolve(mut self, material: MaterialId, frame: &Frame, wo: Vec3) -> Tree {
-        self.add(material, frame, wo);
-        self.tree
-    }
-
-    fn color(&self, t: &Texture) -> Rgb {
-        t.eval(self.point)
-    }
-
-    fn scalar(&self, t: &Texture) -> f32 {
-        t.eval_scalar(self.point)
-    }
-
-    fn facets(&self, r: &Roughness) -> Microfacet {
-        Microfacet::new(
-            r.distribution,
-            self.scalar(&r.alpha_u),
-            self.scalar(&r.alpha_v),
-        )
-    }
-
+impl Resolver<'_> {
     /// Adds the nodes of `material`; `frame` is the shading frame that maps turn and `wo` is local to
     /// it, mirrored where a two-sided material is seen from its back.
-    fn add(&mut self, id: MaterialId, frame: &Frame, wo: Vec3) -> NodeId {
-        let Some(material) = self.materials.list.get(id as usize) else {
+    #[inline]
+    pub fn add(&mut self, id: MaterialId, frame: &Frame, wo: Vec3) -> NodeId {
+        let Some(material) = self.lookup.materials.list.get(id as usize) else {
             return self.tree.push(Node::Black);
         };
-        if let Some(node) = self.leaf(id, &material.model) {
+        // The most common model goes straight to its place, past the copies of the general way.
+        if let Material::Diffuse { reflectance } = &material.model {
+            let reflectance = self.lookup.color(reflectance);
+            return self.tree.push(Node::Diffuse(Diffuse { reflectance }));
+        }
+        if let Some(node) = self.lookup.leaf(id, &material.model) {
             return self.tree.push(node);
         }
         self.nest(id, &material.model, frame, wo)
@@ -87,211 +42,6 @@ impl<'a> Resolver<'a> {
             return self.tree.push(Node::Black);
         }
         self.add(id, frame, wo)
-    }
-
-    /// The node of a model that stands by itself.
-    #[inline]
-    fn leaf(&self, id: MaterialId, material: &Material) -> Option<Node> {
-        Some(match material {
-            Material::Diffuse { reflectance } => Node::Diffuse(Diffuse {
-                reflectance: self.color(reflectance),
-            }),
-            Material::RoughDiffuse {
-                reflectance,
-                alpha,
-                fast_approx,
-            } => Node::RoughDiffuse(RoughDiffuse::new(
-                self.color(reflectance),
-                self.scalar(alpha),
-                *fast_approx,
-            )),
-            Material::DiffuseTransmitter { transmittance } => {
-                Node::DiffuseTransmitter(DiffuseTransmitter {
-                    transmittance: self.color(transmittance),
-                })
-            }
-            Material::Null => Node::Null(Null),
-            Material::Phong {
-                diffuse_reflectance,
-                specular_reflectance,
-                exponent,
-            } => Node::Phong(Phong::new(
-                self.color(diffuse_reflectance),
-                self.color(specular_reflectance),
-                self.scalar(exponent),
-            )),
-            Material::Ward {
-                variant,
-                diffuse_reflectance,
-                specular_reflectance,
-                alpha_u,
-                alpha_v,
-            } => Node::Ward(Ward::new(
-                *variant,
-                self.color(diffuse_reflectance),
-                self.color(specular_reflectance),
-                Vec2::new(self.scalar(alpha_u), self.scalar(alpha_v)),
-            )),
-            Material::Principled(p) => Node::Principled(self.principled(p)),
-            Material::PrincipledThin(p) => Node::PrincipledSheet(self.sheet(p)),
-            _ => return self.interface(id, material),
-        })
-    }
-
-    /// The node of a model with a reflecting interface.
-    fn interface(&self, id: MaterialId, material: &Material) -> Option<Node> {
-        Some(match material {
-            Material::Dielectric {
-                eta,
-                specular_reflectance,
-                specular_transmittance,
-            } => Node::Dielectric(Dielectric {
-                eta: sane_eta(*eta),
-                reflectance: self.color(specular_reflectance),
-                transmittance: self.color(specular_transmittance),
-            }),
-            Material::ThinDielectric {
-                eta,
-                specular_reflectance,
-                specular_transmittance,
-            } => Node::ThinDielectric(ThinDielectric {
-                eta: sane_eta(*eta),
-                reflectance: self.color(specular_reflectance),
-                transmittance: self.color(specular_transmittance),
-            }),
-            Material::RoughDielectric {
-                eta,
-                roughness,
-                specular_reflectance,
-                specular_transmittance,
-            } => self.rough_dielectric(
-                *eta,
-                roughness,
-                self.color(specular_reflectance),
-                self.color(specular_transmittance),
-            ),
-            Material::Conductor {
-                eta,
-                k,
-                specular_reflectance,
-            } => Node::Conductor(Conductor {
-                metal: self.metal(eta, k, specular_reflectance),
-            }),
-            Material::RoughConductor {
-                eta,
-                k,
-                roughness,
-                specular_reflectance,
-            } => Node::RoughConductor(RoughConductor {
-                metal: self.metal(eta, k, specular_reflectance),
-                facets: self.facets(roughness),
-            }),
-            _ => return self.plastic(id, material),
-        })
-    }
-
-    fn metal(&self, eta: &Texture, k: &Texture, reflectance: &Texture) -> Metal {
-        Metal {
-            eta: self.color(eta),
-            k: self.color(k),
-            reflectance: self.color(reflectance),
-        }
-    }
-
-    fn rough_dielectric(
-        &self,
-        eta: f32,
-        r: &Roughness,
-        reflectance: Rgb,
-        transmittance: Rgb,
-    ) -> Node {
-        let eta = sane_eta(eta);
-        if (eta - 1.0).abs() < MIN_CONTRAST {
-            return Node::Dielectric(Dielectric {
-                eta,
-                reflectance,
-                transmittance,
-            });
-        }
-        Node::RoughDielectric(RoughDielectric {
-            eta,
-            facets: self.facets(r),
-            reflectance,
-            transmittance,
-        })
-    }
-
-    fn plastic(&self, id: MaterialId, material: &Material) -> Option<Node> {
-        match material {
-            Material::Plastic {
-                eta,
-                diffuse_reflectance,
-                specular_reflectance,
-                nonlinear,
-            } => Some(Node::Plastic(Plastic::new(
-                sane_eta(*eta),
-                self.color(diffuse_reflectance),
-                self.color(specular_reflectance),
-                *nonlinear,
-            ))),
-            Material::RoughPlastic {
-                eta,
-                roughness,
-                diffuse_reflectance,
-                specular_reflectance,
-                nonlinear,
-            } => {
-                let table = self.materials.transmittance(id)?;
-                let alpha = self.scalar(&roughness.alpha_u);
-                let facets = Microfacet::new(roughness.distribution, alpha, alpha);
-                let colors = (
-                    self.color(diffuse_reflectance),
-                    self.color(specular_reflectance),
-                );
-                let eta = sane_eta(*eta);
-                Some(Node::RoughPlastic(RoughPlastic::new(
-                    eta, facets, colors, *nonlinear, table,
-                )))
-            }
-            _ => None,
-        }
-    }
-
-    fn principled(&self, p: &Principled) -> principled_lobe::Principled {
-        principled_lobe::Principled::new(&principled_lobe::PrincipledInput {
-            base_color: self.color(&p.base_color),
-            roughness: self.scalar(&p.roughness),
-            anisotropic: self.scalar(&p.anisotropic),
-            metallic: self.scalar(&p.metallic),
-            spec_trans: self.scalar(&p.spec_trans),
-            eta: sane_eta(p.eta),
-            spec_tint: self.scalar(&p.spec_tint),
-            sheen: self.scalar(&p.sheen),
-            sheen_tint: self.scalar(&p.sheen_tint),
-            flatness: self.scalar(&p.flatness),
-            clearcoat: self.scalar(&p.clearcoat),
-            clearcoat_gloss: self.scalar(&p.clearcoat_gloss),
-            rates: [
-                p.main_specular_sampling_rate,
-                p.clearcoat_sampling_rate,
-                p.diffuse_reflectance_sampling_rate,
-            ],
-        })
-    }
-
-    fn sheet(&self, p: &PrincipledThin) -> PrincipledSheet {
-        PrincipledSheet::new(&SheetInput {
-            base_color: self.color(&p.base_color),
-            roughness: self.scalar(&p.roughness),
-            anisotropic: self.scalar(&p.anisotropic),
-            spec_trans: self.scalar(&p.spec_trans),
-            eta: sane_eta(self.scalar(&p.eta)),
-            spec_tint: self.scalar(&p.spec_tint),
-            sheen: self.scalar(&p.sheen),
-            sheen_tint: self.scalar(&p.sheen_tint),
-            flatness: self.scalar(&p.flatness),
-            diff_trans: self.scalar(&p.diff_trans),
-        })
     }
 
     /// Nodes of a model around others.
@@ -313,7 +63,7 @@ impl<'a> Resolver<'a> {
                 self.perturbed(id, *inner, n, frame, wo)
             }
             Material::NormalMap { normals, inner } => {
-                let n = self.color(normals) * 2.0 - Vec3::ONE;
+                let n = self.lookup.color(normals) * 2.0 - Vec3::ONE;
                 self.perturbed(id, *inner, n, frame, wo)
             }
             Material::Blend {
@@ -321,7 +71,7 @@ impl<'a> Resolver<'a> {
                 first,
                 second,
             } => {
-                let w = self.scalar(weight).clamp(0.0, 1.0);
+                let w = self.lookup.scalar(weight).clamp(0.0, 1.0);
                 let first = self.child(id, *first, frame, wo);
                 let second = self.child(id, *second, frame, wo);
                 self.tree.push(Node::Mix(Mix {
@@ -362,7 +112,7 @@ impl<'a> Resolver<'a> {
         if displacement.constant().is_some() {
             return Vec3::Z;
         }
-        let p = self.point;
+        let p = self.lookup.point;
         let step = |axis: Vec3| {
             let width = 0.5 * p.footprint / axis.length();
             if width.is_finite() {
@@ -429,9 +179,12 @@ impl<'a> Resolver<'a> {
                 specular_reflectance,
                 inner,
             } => {
-                let absorption = self.color(sigma_a) * *thickness;
-                let layer =
-                    Layer::new(sane_eta(*eta), absorption, self.color(specular_reflectance));
+                let absorption = self.lookup.color(sigma_a) * *thickness;
+                let layer = Layer::new(
+                    sane_eta(*eta),
+                    absorption,
+                    self.lookup.color(specular_reflectance),
+                );
                 let inner = self.child(id, *inner, frame, layer.inside(wo));
                 self.tree.push(Node::Coating(Coating { layer }, inner))
             }
@@ -443,14 +196,16 @@ impl<'a> Resolver<'a> {
                 specular_reflectance,
                 inner,
             } => {
-                let Some(table) = self.materials.transmittance(id) else {
+                let Some(table) = self.lookup.materials.transmittance(id) else {
                     return self.tree.push(Node::Black);
                 };
-                let absorption = self.color(sigma_a) * *thickness;
-                let layer =
-                    Layer::new(sane_eta(*eta), absorption, self.color(specular_reflectance));
-                let alpha = self.scalar(&roughness.alpha_u);
-                let facets = Microfacet::new(roughness.distribution, alpha, alpha);
+                let absorption = self.lookup.color(sigma_a) * *thickness;
+                let layer = Layer::new(
+                    sane_eta(*eta),
+                    absorption,
+                    self.lookup.color(specular_reflectance),
+                );
+                let facets = self.lookup.coat(roughness);
                 let inner = self.child(id, *inner, frame, layer.inside(wo));
                 let coating = RoughCoating {
                     layer,

@@ -105,7 +105,7 @@ fn flip(w: Vec3) -> Vec3 {
 
 impl Tree {
     /// Adds a node and returns its index. Nests too deep for the index absorb.
-    #[inline]
+    #[inline(always)]
     pub fn push(&mut self, node: Node) -> NodeId {
         if self.nodes.len() >= usize::from(NodeId::MAX) {
             self.nodes[0] = Node::Black;

@@ -16,21 +16,18 @@
 //! the probability of a link is exactly the difference of two combined running sums, the same
 //! numbers in `sample` and in `pdf`: rounding cannot make them disagree.
 
-use super::links::quadrant;
-use super::model::{FrozenSet, Query};
+use super::model::FrozenSet;
+use super::query::LocalField;
 use super::settings::{Product, Settings};
 use super::space::Grid;
 use super::train::Trainer;
-use crate::math::equal_area::{CODE_LEVELS, DirectionCell, direction_code};
-use crate::math::{Rgb, Vec2, Vec3};
-use std::f32::consts::PI;
+use crate::math::equal_area::{CODE_LEVELS, DirectionCell};
+use crate::math::{Rgb, Vec3};
 
 /// No list, no parent.
 pub(crate) const NONE: u32 = u32::MAX;
 /// Base direction cells of the finest base level.
-const GROUPS: usize = 16;
-/// Longest path: levels 0 to 20 and the one for normals.
-const PATH: usize = 24;
+pub(crate) const GROUPS: usize = 16;
 /// Bytes of one cell's look-up tables: 16 RGB sums, 16 entries, list and key.
 pub(crate) const CELL_BYTES: usize = GROUPS * (12 + size_of::<Entry>()) + 16;
 
@@ -44,7 +41,7 @@ pub(crate) struct Entry {
 
 /// A node of P in 4 bytes: first child (or slot of the link), and how it divides in the low 2 bits.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Node(u32);
+pub(crate) struct Node(pub u32);
 
 impl Node {
     pub fn new(first: u32, split: u32) -> Self {
@@ -55,11 +52,11 @@ impl Node {
 /// An immutable learned field. Cheap to share between threads; made by [`Trainer::freeze`].
 #[derive(Clone, Debug)]
 pub struct Field {
-    grid: Grid,
-    groups: usize,
+    pub(crate) grid: Grid,
+    pub(crate) groups: usize,
     pub(crate) scale: f64,
-    defensive: f32,
-    product: Product,
+    pub(crate) defensive: f32,
+    pub(crate) product: Product,
     /// Per node of R: first child, or the marked number of a cell.
     pub(crate) space: Vec<u32>,
     pub(crate) cell_list: Vec<u32>,
@@ -67,9 +64,9 @@ pub struct Field {
     /// Per cell: all groups' red, then green, then blue.
     pub(crate) cell_flux: Vec<f32>,
     pub(crate) cell_entry: Vec<Entry>,
-    pub(crate) next: Vec<u32>,
-    /// Per list: groups + 1 slots.
-    pub(crate) starts: Vec<u32>,
+    /// Per list: the next list up the path, where each group's bucket starts, the end: in one place,
+    /// because a query needs both at once.
+    pub(crate) lists: Vec<u32>,
     /// Running sums before each slot's link.
     pub(crate) prefix: Vec<Vec3>,
     /// Each slot's direction cell: start code above, level in the low bits.
@@ -77,12 +74,12 @@ pub struct Field {
     pub(crate) model_of: Vec<u32>,
     pub(crate) models: FrozenSet,
     pub(crate) nodes: Vec<Node>,
-    caps: Caps,
+    pub(crate) caps: Caps,
 }
 
 /// Centres and chord radii of the base direction cells, by component.
 #[derive(Clone, Debug)]
-struct Caps {
+pub(crate) struct Caps {
     x: [f32; GROUPS],
     y: [f32; GROUPS],
     z: [f32; GROUPS],
@@ -108,27 +105,18 @@ impl Caps {
 
     /// Per base cell a factor for the normal `n`, positive wherever any direction of the cell lies
     /// above the horizon: n.w lies within `radius` of n.centre, and is taken to be uniform there.
-    fn factors(&self, n: Vec3, product: Product) -> [f32; GROUPS] {
+    pub fn factors(&self, n: Vec3, product: Product) -> [f32; GROUPS] {
         std::array::from_fn(|g| {
             let t = n.x * self.x[g] + n.y * self.y[g] + n.z * self.z[g];
             let r = self.radius[g];
             let above = (t + r).clamp(0.0, 2.0 * r);
             match product {
                 Product::None => 1.0,
-                Product::Horizon => above / (2.0 * r),
+                Product::Horizon => (above / r).min(1.0),
                 Product::Cosine => above * above / (4.0 * r) + (t - r).max(0.0),
             }
         })
     }
-}
-
-/// A sampled direction.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GuideSample {
-    /// Unit direction towards light.
-    pub direction: Vec3,
-    /// Its solid-angle density, the same as [`LocalField::pdf`] gives for it.
-    pub pdf: f32,
 }
 
 impl Field {
@@ -145,8 +133,7 @@ impl Field {
             cell_key: Vec::new(),
             cell_flux: Vec::new(),
             cell_entry: Vec::new(),
-            next: Vec::new(),
-            starts: Vec::new(),
+            lists: Vec::new(),
             prefix: Vec::new(),
             cells_q: Vec::new(),
             model_of: Vec::new(),
@@ -172,9 +159,21 @@ impl Field {
         cell as u32 | 0x8000_0000
     }
 
+    #[inline]
     pub(crate) fn bucket(&self, list: u32, group: usize) -> std::ops::Range<usize> {
-        let at = list as usize * (self.groups + 1) + group;
-        self.starts[at] as usize..self.starts[at + 1] as usize
+        let at = list as usize * (self.groups + 2) + 1 + group;
+        let ends = &self.lists[at..at + 2];
+        ends[0] as usize..ends[1] as usize
+    }
+
+    /// The next list up the path.
+    #[inline]
+    pub(crate) fn next(&self, list: u32) -> u32 {
+        self.lists[list as usize * (self.groups + 2)]
+    }
+
+    pub(crate) fn chain(&mut self, list: u32, next: u32) {
+        self.lists[list as usize * (self.groups + 2)] = next;
     }
 
     pub(crate) fn bucket_total(&self, range: &std::ops::Range<usize>) -> Vec3 {
@@ -185,7 +184,7 @@ impl Field {
     }
 
     #[inline]
-    fn cell_of_key(&self, key: u64) -> u32 {
+    pub(crate) fn cell_of_key(&self, key: u64) -> u32 {
         let mut n = self.space[0];
         let mut level = 0;
         while n & 0x8000_0000 == 0 {
@@ -210,34 +209,12 @@ impl Field {
     /// The distribution of light at a point.
     ///
     /// `normal` (unit), where given, keeps samples above its horizon as [`Settings::product`] says.
+    /// A field split by normals needs it to find the right cell.
     /// `throughput` weights the colours: light that the path's throughput would absorb is not looked
     /// for; pass white when unsure. Neither changes which directions are possible, only how likely.
     #[inline]
     pub fn at(&self, position: Vec3, normal: Option<Vec3>, throughput: Rgb) -> LocalField<'_> {
-        let normal = normal.filter(|n| n.is_finite());
-        let key = self.grid.key(position, normal.unwrap_or(Vec3::Z));
-        let cell = self.cell_of_key(key);
-        let channels = channels(throughput);
-        let factor = match normal {
-            Some(n) if self.groups == GROUPS => self.caps.factors(n, self.product),
-            _ => [1.0; GROUPS],
-        };
-        let mut local = LocalField {
-            field: self,
-            cell,
-            key: self.cell_key[cell as usize],
-            channels,
-            factor,
-            running: [0.0; GROUPS],
-            total: 0.0,
-            query: Query {
-                position,
-                normal,
-                product: self.product,
-            },
-        };
-        local.weigh();
-        local
+        LocalField::new(self, position, normal, throughput)
     }
 
     /// Bytes of the frozen field.
@@ -247,234 +224,16 @@ impl Field {
             + of(self.cell_list.len(), 12)
             + of(self.cell_flux.len(), 4)
             + of(self.cell_entry.len(), size_of::<Entry>())
-            + of(self.next.len() + self.starts.len() + self.model_of.len(), 4)
+            + of(self.lists.len() + self.model_of.len(), 4)
             + of(self.prefix.len(), 16)
             + of(self.nodes.len(), 4)
             + self.models.bytes() as u64
     }
 }
 
-/// Weights of the three channels: the throughput, normalised (its scale must not matter), with a
-/// trace of white, because the surface's own colour is not in the throughput yet.
-#[inline]
-fn channels(throughput: Rgb) -> Vec3 {
-    let largest = throughput.max_element();
-    if !(largest > 0.0 && throughput.is_finite()) {
-        return Vec3::ONE;
-    }
-    (throughput / largest).max(Vec3::ZERO) + 0.01
-}
-
-/// The field at one point for one path: what [`Field::at`] returns.
-#[derive(Clone, Copy, Debug)]
-pub struct LocalField<'f> {
-    field: &'f Field,
-    cell: u32,
-    key: u64,
-    channels: Vec3,
-    factor: [f32; GROUPS],
-    running: [f32; GROUPS],
-    total: f32,
-    query: Query,
-}
-
-impl LocalField<'_> {
-    #[inline]
-    fn weigh(&mut self) {
-        let groups = self.field.groups;
-        let at = self.cell as usize * 3 * groups;
-        let flux = &self.field.cell_flux[at..at + 3 * groups];
-        let (r, rest) = flux.split_at(groups);
-        let (g, b) = rest.split_at(groups);
-        let c = self.channels;
-        let mut sum = 0.0;
-        for i in 0..groups {
-            let w = c.x * r[i] + c.y * g[i] + c.z * b[i];
-            sum += w * self.factor[i];
-            self.running[i] = sum;
-        }
-        self.total = if sum.is_finite() { sum } else { 0.0 };
-    }
-
-    /// The cell's number, see [`Field::cell`].
-    #[inline]
-    pub fn cell(&self) -> u32 {
-        self.cell
-    }
-
-    /// Whether the field expects any light here above the horizon. If not, samples are uniform on
-    /// the sphere.
-    #[inline]
-    pub fn has_light(&self) -> bool {
-        self.total > 0.0
-    }
-
-    /// Incident flux per area, summed over all directions (the paper's RGB of the whole path), in
-    /// W/m^2; for [`super::Target::Radiance`] the fluence, the integral of radiance.
-    pub fn irradiance(&self) -> Rgb {
-        let groups = self.field.groups;
-        let at = self.cell as usize * 3 * groups;
-        let flux = &self.field.cell_flux[at..at + 3 * groups];
-        let sum = |c: usize| {
-            let s: f32 = flux[c * groups..(c + 1) * groups].iter().sum();
-            (f64::from(s) * self.field.scale) as f32
-        };
-        Rgb::new(sum(0), sum(1), sum(2))
-    }
-
-    /// A direction. `select` chooses among links, `direction` inside one; both uniform in the unit
-    /// square.
-    #[inline]
-    pub fn sample(&self, select: Vec2, direction: Vec2) -> GuideSample {
-        let e = self.field.defensive;
-        if select.x < e || self.total <= 0.0 {
-            return self.evaluated(DirectionCell::SPHERE.direction(direction));
-        }
-        let x = ((select.x - e) / (1.0 - e)).clamp(0.0, 1.0 - f32::EPSILON * 0.5);
-        let Some((slot, group)) = self.pick(x, select.y) else {
-            return self.evaluated(DirectionCell::SPHERE.direction(direction));
-        };
-        let (q, model) = self.field.slot(slot);
-        let w = self.field.models.sample(model, q, &self.query, direction);
-        let code = direction_code(w);
-        if q.contains(code) {
-            let pdf = self.link_pdf(slot, group, q, model, w);
-            return GuideSample {
-                direction: w,
-                pdf: self.defended(pdf),
-            };
-        }
-        // Rounding carried it over the cell's edge: its density is the neighbour's.
-        self.evaluated(w)
-    }
-
-    fn evaluated(&self, w: Vec3) -> GuideSample {
-        GuideSample {
-            direction: w,
-            pdf: self.pdf(w),
-        }
-    }
-
-    /// The link for two random numbers: base cell, list of the path, link of the list.
-    #[inline]
-    fn pick(&self, x: f32, y: f32) -> Option<(usize, usize)> {
-        let field = self.field;
-        let t = x * self.total;
-        let group = self.running[..field.groups].iter().position(|&r| r > t)?;
-        let mut buckets = [(0usize, 0usize, 0f32); PATH];
-        let mut count = 0;
-        let mut total = 0.0;
-        let mut list = field.cell_list[self.cell as usize];
-        while list != NONE && count < PATH {
-            let range = field.bucket(list, group);
-            if !range.is_empty() {
-                let sum = self.channels.dot(field.prefix[range.end - 1]);
-                total += sum;
-                buckets[count] = (range.start, range.end, sum);
-                count += 1;
-            }
-            list = field.next[list as usize];
-        }
-        let mut t = y * total;
-        let mut chosen = None;
-        for &(start, end, sum) in &buckets[..count] {
-            if sum <= 0.0 {
-                continue;
-            }
-            chosen = Some((start, end, t.min(sum * (1.0 - f32::EPSILON))));
-            if t < sum {
-                break;
-            }
-            t -= sum;
-        }
-        let (start, end, t) = chosen?;
-        // The first slot whose running sum after its link exceeds t: that link has mass.
-        let after = &field.prefix[start + 1..end];
-        let i = after.partition_point(|p| self.channels.dot(*p) <= t);
-        Some((start + i.min(after.len() - 1), group))
-    }
-
-    /// Density of a direction that a link holds, without the defensive share.
-    #[inline]
-    fn link_pdf(&self, slot: usize, group: usize, q: DirectionCell, model: u32, w: Vec3) -> f32 {
-        let p = &self.field.prefix[slot..slot + 2];
-        let mass = self.channels.dot(p[1]) - self.channels.dot(p[0]);
-        if mass <= 0.0 {
-            return 0.0;
-        }
-        let local = self.field.models.pdf(model, q, &self.query, w);
-        mass / self.total * self.factor[group] * local
-    }
-
-    #[inline]
-    fn defended(&self, pdf: f32) -> f32 {
-        let e = self.field.defensive;
-        (1.0 - e) * pdf + e * (0.25 / PI)
-    }
-
-    /// Solid-angle density of [`LocalField::sample`] at a unit direction: positive everywhere.
-    #[inline]
-    pub fn pdf(&self, w: Vec3) -> f32 {
-        if self.total <= 0.0 {
-            return 0.25 / PI;
-        }
-        let code = direction_code(w);
-        let (slot, group) = self.find(code);
-        let (q, model) = self.field.slot(slot);
-        self.defended(self.link_pdf(slot, group, q, model, w))
-    }
-
-    /// The slot of the link that holds a direction, and its base cell.
-    #[inline]
-    fn find(&self, code: u32) -> (usize, usize) {
-        let field = self.field;
-        let group = if field.groups == GROUPS {
-            code >> 28
-        } else {
-            0
-        } as usize;
-        let entry = field.cell_entry[self.cell as usize * field.groups + group];
-        let (mut space, mut direction) = (entry.space_level, entry.direction_level);
-        let mut n = field.nodes[entry.node as usize].0;
-        loop {
-            let first = n >> 2;
-            match n & 3 {
-                0 => return (first as usize, group),
-                1 => {
-                    n = field.nodes[(first + field.grid.octant(self.key, space)) as usize].0;
-                    space += 1;
-                }
-                _ => {
-                    n = field.nodes[(first + quadrant(code, direction)) as usize].0;
-                    direction += 1;
-                }
-            }
-        }
-    }
-
-    /// Every link of the path: its direction cell and its F in W/m^2. Their cells partition the
-    /// sphere, their F sum to [`LocalField::irradiance`]. For pictures and tests.
-    pub fn links(&self) -> Vec<(DirectionCell, Rgb)> {
-        let field = self.field;
-        let mut out = Vec::new();
-        let mut list = field.cell_list[self.cell as usize];
-        while list != NONE {
-            for group in 0..field.groups {
-                let range = field.bucket(list, group);
-                for slot in range.start..range.end.saturating_sub(1) {
-                    let f = field.prefix[slot + 1] - field.prefix[slot];
-                    out.push((field.slot(slot).0, f * field.scale as f32));
-                }
-            }
-            list = field.next[list as usize];
-        }
-        out
-    }
-}
-
 impl Field {
     #[inline]
-    fn slot(&self, slot: usize) -> (DirectionCell, u32) {
+    pub(crate) fn slot(&self, slot: usize) -> (DirectionCell, u32) {
         let packed = self.cells_q[slot];
         let q = DirectionCell::containing(packed & !0xf, (packed & 0xf) as u8);
         let model = if self.model_of.is_empty() {

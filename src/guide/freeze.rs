@@ -11,11 +11,12 @@ use crate::math::equal_area::{CODE_LEVELS, DirectionCell};
 /// Path vertices a cell must have before they speak for it beside photons.
 const ENOUGH_VISITS: u64 = 32;
 
-/// Per list of links: where the lists live and which is the next one up the path.
+/// Where the lists of links are.
 struct Lists {
     of_node: Vec<u32>,
-    next: Vec<u32>,
-    starts: Vec<u32>,
+    count: usize,
+    /// Per list: the next list up the path, then where each bucket starts, then the end.
+    table: Vec<u32>,
 }
 
 impl Trainer {
@@ -37,8 +38,7 @@ impl Trainer {
         });
         let mut field = Field::empty(self, groups, scale);
         let (lists, slot_of) = self.fill_lists(&mut field, &order, &density, groups);
-        field.next = lists.next;
-        field.starts = lists.starts;
+        field.lists = lists.table;
         field.nodes = pack_nodes(&self.product, &slot_of);
         let regions = |l: u32| region(&self.space, &self.product.links[l as usize]);
         field.models = self.stats.freeze(&order, &regions);
@@ -165,17 +165,18 @@ impl Trainer {
         let group = |q: DirectionCell| (u64::from(q.start()) >> base_shift) as usize;
         let mut lists = Lists {
             of_node: vec![NONE; self.space.nodes.len()],
-            next: Vec::new(),
-            starts: Vec::new(),
+            count: 0,
+            table: Vec::new(),
         };
         let mut slot_of = vec![0u32; order.len()];
         let mut position = 0usize;
         for run in order.chunk_by(|a, b| self.r_of(*a) == self.r_of(*b)) {
-            lists.of_node[self.r_of(run[0]) as usize] = lists.next.len() as u32;
-            lists.next.push(NONE);
+            lists.of_node[self.r_of(run[0]) as usize] = lists.count as u32;
+            lists.count += 1;
+            lists.table.push(NONE);
             let mut rest = run;
             for g in 0..groups {
-                lists.starts.push(field.prefix.len() as u32);
+                lists.table.push(field.prefix.len() as u32);
                 let n = rest.partition_point(|&l| group(self.product.links[l as usize].q) <= g);
                 let (mine, others) = rest.split_at(n);
                 rest = others;
@@ -194,7 +195,7 @@ impl Trainer {
                     position += 1;
                 }
             }
-            lists.starts.push(field.prefix.len() as u32);
+            lists.table.push(field.prefix.len() as u32);
         }
         (lists, slot_of)
     }
@@ -226,7 +227,7 @@ impl Trainer {
             }
             let list = list_of[i];
             if list != NONE {
-                field.next[list as usize] = nearest[i];
+                field.chain(list, nearest[i]);
                 nearest[i] = list;
                 for (g, sum) in path_flux[i].iter_mut().enumerate().take(groups) {
                     let range = field.bucket(list, g);

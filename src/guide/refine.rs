@@ -114,7 +114,12 @@ impl Trainer {
         let (space, links) = (&self.space, &self.product.links);
         let regions = |l: u32| super::train::region(space, &links[l as usize]);
         self.stats.refit(&regions, &self.table);
-        let mut candidates = self.candidates();
+        self.divide(None)
+    }
+
+    /// The splits of a round, without refitting models; of the marked links only, if any are.
+    pub(crate) fn divide(&mut self, only: Option<&[bool]>) -> Refined {
+        let mut candidates = self.candidates(only);
         candidates
             .sort_unstable_by(|a, b| b.per_byte.total_cmp(&a.per_byte).then(a.name.cmp(&b.name)));
         let mut done = Refined::default();
@@ -149,7 +154,7 @@ impl Trainer {
         }
     }
 
-    fn candidates(&self) -> Vec<Candidate> {
+    fn candidates(&self, only: Option<&[bool]>) -> Vec<Candidate> {
         let flux: Vec<f64> = self
             .tallies
             .par_iter()
@@ -161,6 +166,7 @@ impl Trainer {
         }
         flux.par_iter()
             .enumerate()
+            .filter(|(i, _)| only.is_none_or(|o| o[*i]))
             .filter_map(|(i, f)| self.candidate(i as u32, f / total))
             .collect()
     }
@@ -184,7 +190,7 @@ impl Trainer {
             return None;
         }
         let n = sum * sum / tally.squares as f64;
-        if n < f64::from(self.settings.min_photons) {
+        if n < f64::from(self.settings.min_photons.max(self.traits.split_records)) {
             return None;
         }
         let z = f64::from(self.settings.significance);
@@ -244,18 +250,22 @@ impl Trainer {
 /// Divergence over octant and direction at once: from uniform in both where directions can be split
 /// too, else from the same directional distribution in every octant.
 fn joint_divergence(table: &super::tally::Table, measure: &[f64; 8], uniform: bool) -> Divergence {
-    let directions = table.directions();
-    let flux: Vec<f64> = table.entries.iter().map(|&e| f64::from(e)).collect();
-    let marginal = if uniform {
-        vec![1.0; directions]
-    } else {
-        table.by_direction()
-    };
-    let expected: Vec<f64> = measure
-        .iter()
-        .flat_map(|a| marginal.iter().map(move |m| a * m))
-        .collect();
-    let mut d = divergence(&flux, &expected);
+    // At most eight octants of 16 direction cells; on the stack, as every link passes here.
+    const MOST: usize = 8 * 16;
+    let directions = table.directions().min(MOST / 8);
+    let (mut flux, mut expected, mut marginal) = ([0f64; MOST], [0f64; MOST], [0f64; MOST / 8]);
+    for (i, &e) in table.entries.iter().enumerate().take(MOST) {
+        flux[i] = f64::from(e);
+        marginal[i % directions] += f64::from(e);
+    }
+    if uniform {
+        marginal = [1.0; MOST / 8];
+    }
+    for (i, e) in expected.iter_mut().enumerate().take(8 * directions) {
+        *e = measure[i / directions] * marginal[i % directions];
+    }
+    let marginal = &marginal[..directions];
+    let mut d = divergence(&flux[..8 * directions], &expected[..8 * directions]);
     if !uniform {
         let used = marginal.iter().filter(|m| **m > 0.0).count() as f64;
         d.freedom = (d.freedom - (used - 1.0)).max(0.0);

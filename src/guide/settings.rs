@@ -34,7 +34,7 @@ pub enum Source {
 pub enum Product {
     /// The normal is ignored.
     None,
-    /// Direction cells are weighted by how much of them lies above the horizon.
+    /// Base direction cells below the horizon are left out, those whose centre lies below damped.
     Horizon,
     /// Direction cells are weighted by their mean cosine.
     Cosine,
@@ -55,11 +55,12 @@ pub struct Settings {
     pub max_space_level: u8,
     /// Deepest level of Q, 0 to 10 (a cell of level 10 covers 1.2e-5 sr).
     pub max_direction_level: u8,
-    /// A link is split only when this many photons have landed in it since it was made.
+    /// A link is split only when this many photons (effective count) have landed in it since it was
+    /// made. Default 8: significance is what guards against noise.
     pub min_photons: u32,
     /// R is split only where this many surface points lie inside the cell, so that areas are known.
     pub min_points: u32,
-    /// How many standard deviations of chance a gain must exceed to count as significant.
+    /// How many standard deviations of chance a gain must exceed to count as significant. Default 5.
     pub significance: f32,
     /// Prior strength, in photons, that pulls siblings towards their common density when freezing.
     pub smoothing: f32,
@@ -106,9 +107,9 @@ impl Settings {
             memory: 256 << 20,
             max_space_level: 20,
             max_direction_level: 10,
-            min_photons: 64,
+            min_photons: 8,
             min_points: 8,
-            significance: 3.0,
+            significance: 5.0,
             smoothing: 1.0,
             defensive: 0.01,
             clamp: 1e6,

@@ -85,7 +85,6 @@ impl Table<'_> {
 /// Adds a record to a leaf's table.
 #[inline]
 pub(crate) fn add_to_table(tally: &mut Tally, table: &mut [u32], cell: usize, d: &Deposit) {
-    tally.count += 1;
     let w = u64::from(d.table);
     tally.squares = tally.squares.saturating_add(w * w);
     if let Some(entry) = table.get_mut(cell) {

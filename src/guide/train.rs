@@ -10,7 +10,7 @@ use crate::math::sum::SumUnit;
 use rayon::prelude::*;
 
 /// Records taken at a time: bounds the scratch memory, changes no result.
-const CHUNK: usize = 1 << 20;
+pub(crate) const CHUNK: usize = 1 << 18;
 
 /// What came in so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
@@ -123,7 +123,7 @@ impl Trainer {
         for chunk in photons.chunks(CHUNK) {
             let intake = self.intake(unit);
             let deposits: Vec<_> = chunk.par_iter().map(|p| intake.photon(p)).collect();
-            self.intakes.photons += self.deposit(deposits, unit, false);
+            self.intakes.photons += self.deposit(deposits, unit, false, None);
         }
     }
 
@@ -138,21 +138,34 @@ impl Trainer {
         for chunk in samples.chunks(CHUNK) {
             let intake = self.intake(unit);
             let deposits: Vec<_> = chunk.par_iter().map(|s| intake.path(s)).collect();
-            for (sample, deposit) in chunk.iter().zip(&deposits) {
-                if matches!(deposit, Ok(_) | Err(Dropped::Dark)) {
-                    let key = self.space.grid.key(sample.position, sample.normal);
-                    let leaf = self.space.leaf(key) as usize;
-                    let node = &mut self.space.nodes[leaf];
-                    let octant = self.space.grid.octant(key, node.level) as usize;
-                    node.visits[octant] += 1;
-                    self.intakes.paths += 1;
-                }
+            for (leaf, octant) in self.visited(chunk, &deposits).into_iter().flatten() {
+                self.space.nodes[leaf as usize].visits[octant as usize] += 1;
+                self.intakes.paths += 1;
             }
-            self.deposit(deposits, unit, true);
+            self.deposit(deposits, unit, true, None);
         }
     }
 
-    fn intake(&self, unit: SumUnit) -> Intake<'_> {
+    /// Where each usable sample's vertex lies: leaf of R and octant.
+    pub(crate) fn visited(
+        &self,
+        samples: &[PathSample],
+        deposits: &[Result<Deposit, Dropped>],
+    ) -> Vec<Option<(u32, u32)>> {
+        let space = &self.space;
+        let place = |(sample, deposit): (&PathSample, &Result<Deposit, Dropped>)| {
+            if !matches!(deposit, Ok(_) | Err(Dropped::Dark)) {
+                return None;
+            }
+            let key = space.grid.key(sample.position, sample.normal);
+            let leaf = space.leaf(key);
+            let level = space.nodes[leaf as usize].level;
+            Some((leaf, space.grid.octant(key, level)))
+        };
+        samples.par_iter().zip(deposits).map(place).collect()
+    }
+
+    pub(crate) fn intake(&self, unit: SumUnit) -> Intake<'_> {
         Intake {
             settings: &self.settings,
             grid: &self.space.grid,
@@ -161,16 +174,18 @@ impl Trainer {
     }
 
     /// Finds each record's link, sorts records by link and adds them up. Returns how many were used.
-    fn deposit(
+    pub(crate) fn deposit(
         &mut self,
         deposits: Vec<Result<Deposit, Dropped>>,
         unit: SumUnit,
         from_paths: bool,
+        again: Option<&[bool]>,
     ) -> u64 {
         let mut usable = Vec::with_capacity(deposits.len());
         for d in deposits {
             match d {
                 Ok(d) => usable.push(d),
+                Err(_) if again.is_some() => {}
                 Err(Dropped::NonFinite) => self.intakes.dropped_non_finite += 1,
                 Err(Dropped::BadDirection) => self.intakes.dropped_direction += 1,
                 Err(Dropped::Dark) => {}
@@ -194,6 +209,7 @@ impl Trainer {
             unit,
             from_paths,
             shapes: from_paths == (self.settings.source == Source::Paths),
+            again,
         };
         self.stats
             .accumulate(&batch, &order, &mut self.tallies, &mut self.table);

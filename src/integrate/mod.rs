@@ -9,6 +9,8 @@
 //! Each sample's numbers come from `(seed, pixel, sample)` alone and each pixel's sum is taken in sample
 //! order, so neither the tiles nor the threads can change a bit of the image.
 
+pub mod guiding;
+pub mod learn;
 pub mod render;
 pub mod vertex;
 pub mod wave;

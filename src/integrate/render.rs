@@ -1,6 +1,7 @@
 //! The loop around everything: passes of samples over tiles of the film, until enough.
 
 use super::PathSettings;
+use super::guiding::Guide;
 use super::wave::Wave;
 use crate::camera::Camera;
 use crate::film::filter::FilterSampler;
@@ -86,23 +87,27 @@ const WAVE_SAMPLES: u64 = 4096;
 /// Most samples a pixel takes in one pass: the interval between looks at the clock.
 const PASS_SPP: u64 = 64;
 
-/// Renders until a limit is reached. Samples already on the film are gone on from.
-pub fn render(
-    scene: &Scene,
-    camera: &Camera,
-    film: &mut Film,
-    description: &FilmDescription,
-    settings: &PathSettings,
-    limits: &Limits,
-    observer: &dyn Observer,
-) -> Summary {
+/// What is rendered, and how.
+#[derive(Clone, Copy)]
+pub struct View<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// From where.
+    pub camera: &'a Camera,
+    /// Size and filter of the film.
+    pub film: &'a FilmDescription,
+    /// How paths are traced.
+    pub settings: &'a PathSettings,
+    /// A learned field, to guide by.
+    pub guide: Option<&'a Guide>,
+}
+
+/// Renders until a limit is reached.
+pub fn render(view: &View, film: &mut Film, limits: &Limits, observer: &dyn Observer) -> Summary {
     let start = Instant::now();
     let job = Job {
-        scene,
-        camera,
-        settings,
-        filter: FilterSampler::new(description.filter),
-        full_width: u64::from(description.width),
+        view: *view,
+        filter: FilterSampler::new(view.film.filter),
         observer,
         waves: Mutex::new(Vec::new()),
     };
@@ -183,11 +188,8 @@ fn pass_size(done: u64, limits: &Limits, elapsed: Duration) -> u64 {
 
 /// What every tile of a render shares.
 struct Job<'a> {
-    scene: &'a Scene,
-    camera: &'a Camera,
-    settings: &'a PathSettings,
+    view: View<'a>,
     filter: FilterSampler,
-    full_width: u64,
     observer: &'a dyn Observer,
     /// Buffers not in use.
     waves: Mutex<Vec<Wave>>,
@@ -231,7 +233,7 @@ impl Job<'_> {
                     weights.push(self.start(x, y, sample, wave));
                 }
             }
-            let outcomes = wave.trace(self.scene, self.settings);
+            let outcomes = wave.trace(self.view.scene, self.view.settings, self.view.guide);
             let share = (to - from) as usize;
             for (k, (outcome, weight)) in outcomes.iter().zip(&weights).enumerate() {
                 let sample = Sample {
@@ -250,12 +252,13 @@ impl Job<'_> {
     /// Starts a sample of pixel `(x, y)` and returns its filter weight.
     #[inline]
     fn start(&self, x: u32, y: u32, sample: u64, wave: &mut Wave) -> f32 {
-        let pixel = u64::from(y) * self.full_width + u64::from(x);
-        let mut sampler = self.settings.sampler(pixel, sample);
+        let pixel = u64::from(y) * u64::from(self.view.film.width) + u64::from(x);
+        let mut sampler = self.view.settings.sampler(pixel, sample);
         let u = sampler.next4();
         let place = self.filter.sample(Vec2::new(u[0], u[1]));
         let center = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
         let ray = self
+            .view
             .camera
             .ray(center + place.offset, Vec2::new(u[2], u[3]));
         wave.push(ray, sampler);

@@ -1,6 +1,7 @@
 //! One vertex of a camera path.
 
 use super::PathSettings;
+use super::guiding::{Guide, GuidedVertex};
 use super::wave::{FirstHit, Outcome, Path};
 use crate::accel::{Hit, Ray};
 use crate::bsdf::{Bsdf, LobeFlags, Transport};
@@ -35,11 +36,14 @@ pub struct Next {
     pub shadow: Option<(Ray, ShadowRay)>,
 }
 
-/// Handles what `ray` met: adds emission to `outcome`, samples a light, samples the BSDF, plays roulette.
+/// Handles what `ray` met: adds emission to `outcome`, samples a light, samples the BSDF (and the field,
+/// with a `guide`), plays roulette.
+#[allow(clippy::too_many_arguments)]
 #[inline]
 pub fn visit(
     scene: &Scene,
     settings: &PathSettings,
+    guide: Option<&Guide>,
     ray: &Ray,
     hit: &Hit,
     path: &mut Path,
@@ -74,13 +78,14 @@ pub fn visit(
             return Next::END;
         }
     }
+    let guided = guide.and_then(|g| g.at(&point, &bsdf, wo, path.throughput));
     let block = path.sampler.next4();
     let shadow = if bsdf.flags().has(LobeFlags::SMOOTH) {
         sample_light(
             scene,
             settings,
             &point,
-            &bsdf,
+            (&bsdf, guided.as_ref()),
             wo,
             path,
             [block[0], block[1], block[2]],
@@ -90,7 +95,15 @@ pub fn visit(
         None
     };
     Next {
-        ray: scatter(settings, &point, &bsdf, wo, path, block[3], hit.t),
+        ray: scatter(
+            settings,
+            &point,
+            (&bsdf, guided.as_ref()),
+            wo,
+            path,
+            block[3],
+            hit.t,
+        ),
         shadow,
     }
 }
@@ -168,7 +181,7 @@ fn sample_light(
     scene: &Scene,
     settings: &PathSettings,
     point: &SurfacePoint,
-    bsdf: &Bsdf,
+    (bsdf, guided): (&Bsdf, Option<&GuidedVertex>),
     wo: Vec3,
     path: &mut Path,
     u: [f32; 3],
@@ -185,7 +198,8 @@ fn sample_light(
     let weight = if light.delta {
         1.0
     } else {
-        power_heuristic(light.pdf, bsdf_pdf)
+        let pdf = guided.map_or(bsdf_pdf, |g| g.pdf(light.dir, bsdf_pdf));
+        power_heuristic(light.pdf, pdf)
     };
     let radiance = path.throughput * f * light.radiance * (weight / light.pdf);
     let org = offset_origin(point.p, point.error, point.ng, light.dir);
@@ -208,15 +222,22 @@ fn sample_light(
 fn scatter(
     settings: &PathSettings,
     point: &SurfacePoint,
-    bsdf: &Bsdf,
+    (bsdf, guided): (&Bsdf, Option<&GuidedVertex>),
     wo: Vec3,
     path: &mut Path,
     u_roulette: f32,
     distance: f32,
 ) -> Option<Ray> {
     let block = path.sampler.next4();
-    let u = Vec2::new(block[1], block[2]);
-    let sample = bsdf.sample(wo, block[0], u, Transport::Radiance)?;
+    let sample = match guided {
+        Some(guided) => guided.sample(bsdf, wo, block)?,
+        None => bsdf.sample(
+            wo,
+            block[0],
+            Vec2::new(block[1], block[2]),
+            Transport::Radiance,
+        )?,
+    };
     if settings.strict_normals && (crosses(point, sample.wi) || crosses(point, wo)) {
         return None;
     }

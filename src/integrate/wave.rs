@@ -1,6 +1,7 @@
 //! A wave of paths that advance together, one bounce at a time.
 
 use super::PathSettings;
+use super::guiding::Guide;
 use super::vertex::{self, Next, ShadowRay};
 use crate::accel::{Hit, Ray};
 use crate::camera::CameraRay;
@@ -93,12 +94,17 @@ impl Wave {
     }
 
     /// Traces all samples to their ends.
-    pub fn trace(&mut self, scene: &Scene, settings: &PathSettings) -> &[Outcome] {
+    pub fn trace(
+        &mut self,
+        scene: &Scene,
+        settings: &PathSettings,
+        guide: Option<&Guide>,
+    ) -> &[Outcome] {
         while !self.paths.is_empty() {
             self.hits.resize(self.rays.len(), Hit::NONE);
             scene.rays.intersect_batch(&self.rays, &mut self.hits);
             self.rays_traced += self.rays.len() as u64;
-            self.advance(scene, settings);
+            self.advance(scene, settings, guide);
             self.collect_light(scene);
         }
         &self.outcomes
@@ -110,14 +116,22 @@ impl Wave {
     }
 
     /// Handles one vertex of every path and keeps those that go on, in order.
-    fn advance(&mut self, scene: &Scene, settings: &PathSettings) {
+    fn advance(&mut self, scene: &Scene, settings: &PathSettings, guide: Option<&Guide>) {
         self.shadows.clear();
         self.shadow_rays.clear();
         let mut kept = 0;
         for i in 0..self.paths.len() {
             let path = &mut self.paths[i];
             let outcome = &mut self.outcomes[path.slot as usize];
-            let next = vertex::visit(scene, settings, &self.rays[i], &self.hits[i], path, outcome);
+            let next = vertex::visit(
+                scene,
+                settings,
+                guide,
+                &self.rays[i],
+                &self.hits[i],
+                path,
+                outcome,
+            );
             if let Some((ray, shadow)) = next.shadow {
                 self.shadow_rays.push(ray);
                 self.shadows.push(shadow);

@@ -80,23 +80,31 @@ impl Distant {
         }
     }
 
-    /// Direction and density (0 for parallel light).
+    /// Direction, radiance from there (for parallel light its irradiance), and density (0 for parallel light).
+    ///
+    /// The radiance is that of the place that was drawn: looking the direction up again would miss the
+    /// edge of a sun now and then, by its rounding.
     #[inline]
-    pub fn sample(&self, n: Vec3, u: Vec2) -> Option<(Vec3, f32)> {
+    pub fn sample(&self, n: Vec3, u: Vec2) -> Option<(Vec3, Rgb, f32)> {
         match self {
-            Distant::Constant(_) if n == Vec3::ZERO => Some((uniform_sphere(u), 0.25 * FRAC_1_PI)),
-            Distant::Constant(_) => {
+            Distant::Constant(radiance) if n == Vec3::ZERO => {
+                Some((uniform_sphere(u), *radiance, 0.25 * FRAC_1_PI))
+            }
+            Distant::Constant(radiance) => {
                 let local = cosine_hemisphere(u);
                 let dir = Frame::new(n).to_world(local);
-                Some((dir, cosine_hemisphere_pdf(n.dot(dir))))
+                Some((dir, *radiance, cosine_hemisphere_pdf(n.dot(dir))))
             }
-            Distant::Map(map) => map.sample(u).map(|(dir, _, pdf)| (dir, pdf)),
+            Distant::Map(map) => map.sample(u),
             Distant::Sun(sun) => {
                 let local = uniform_cone(u, sun.one_minus_cos);
                 let dir = Frame::new(sun.center).to_world(local);
-                Some((dir, uniform_cone_pdf(sun.one_minus_cos)))
+                Some((dir, sun.radiance, uniform_cone_pdf(sun.one_minus_cos)))
             }
-            Distant::Parallel { to_light, .. } => Some((*to_light, 0.0)),
+            Distant::Parallel {
+                to_light,
+                irradiance,
+            } => Some((*to_light, *irradiance, 0.0)),
         }
     }
 

@@ -173,19 +173,11 @@ impl Sources {
         at: Vec2,
         towards: Vec2,
     ) -> Option<Emission> {
-        let (to_light, per_area) = match light {
-            Distant::Parallel {
-                to_light,
-                irradiance,
-            } => (*to_light, *irradiance),
-            Distant::Map(map) => {
-                let (dir, radiance, pdf) = map.sample(towards)?;
-                (dir, radiance / pdf)
-            }
-            Distant::Constant(_) | Distant::Sun(_) => {
-                let (dir, pdf) = light.sample(Vec3::ZERO, towards)?;
-                (dir, light.radiance(dir) / pdf)
-            }
+        let (to_light, radiance, pdf) = light.sample(Vec3::ZERO, towards)?;
+        let per_area = if light.is_delta() {
+            radiance
+        } else {
+            radiance / pdf
         };
         let frame = Frame::new(to_light);
         let across = concentric_disk(at) * self.radius;

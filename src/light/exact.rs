@@ -129,7 +129,7 @@ impl ExactArea {
         let n = match self.shape.kind {
             ExactKind::Disk | ExactKind::Rectangle => Vec3::Z,
             ExactKind::Sphere | ExactKind::Cylinder => {
-                let unit = self.shape.to_object.matrix3.transpose().inverse();
+                let unit = self.shape.to_world.matrix3.transpose();
                 let n = Vec3::from(unit * crate::math::Vec3A::from(ng));
                 n.normalize_or_zero() * self.sign
             }

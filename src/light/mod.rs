@@ -26,6 +26,7 @@ mod projector;
 mod quad;
 mod sphere;
 mod spot;
+mod sun;
 mod sunsky;
 #[cfg(test)]
 mod tests;
@@ -169,36 +170,38 @@ impl Lights {
         let total = self.distant_importance(n);
         let mut rest = pick * total;
         let (mut chosen, mut weight) = (None, 0.0);
-        for (_, light) in &self.distant {
+        for (i, (_, light)) in self.distant.iter().enumerate() {
             let w = light.importance(n);
             if w <= 0.0 {
                 continue;
             }
-            (chosen, weight) = (Some(light), w);
+            (chosen, weight) = (Some(i), w);
             if rest < w {
                 break;
             }
             rest -= w;
         }
-        let light = chosen?;
-        let (dir, _) = light.sample(n, u)?;
-        if let Distant::Parallel { irradiance, .. } = light {
-            return Some(LightSample {
-                dir,
-                distance: f32::INFINITY,
-                radiance: *irradiance,
-                pdf: weight / total * share,
-                delta: true,
-            });
+        let chosen = chosen?;
+        let light = &self.distant[chosen].1;
+        let (dir, mut radiance, pdf) = light.sample(n, u)?;
+        let delta = light.is_delta();
+        let mut pdf = if delta { weight } else { weight * pdf };
+        if !delta {
+            // A ray along `dir` meets all of them, and any might have drawn it.
+            for (i, (_, other)) in self.distant.iter().enumerate() {
+                if i != chosen && !other.is_delta() {
+                    radiance += other.radiance(dir);
+                    pdf += other.importance(n) * other.pdf(n, dir);
+                }
+            }
         }
-        // What a ray along `dir` would meet, from all of them, with the density of drawing it from any.
-        let pdf = self.distant_pdf(n, dir) * share;
-        (pdf > 0.0 && pdf.is_finite()).then(|| LightSample {
+        let pdf = pdf / total * share;
+        (pdf > 0.0 && pdf.is_finite()).then_some(LightSample {
             dir,
             distance: f32::INFINITY,
-            radiance: self.environment(dir),
+            radiance,
             pdf,
-            delta: false,
+            delta,
         })
     }
 

@@ -67,7 +67,7 @@ impl Sphere {
         let (axis, center_distance, one_minus_cos) = self.view(p)?;
         let dir = Frame::new(axis).to_world(uniform_cone(u, one_minus_cos));
         let distance = if self.inwards {
-            self.from_within(p, dir)
+            self.exit_from_within(p, dir)
         } else {
             let local_cos = dir.dot(axis);
             let along = center_distance * local_cos;
@@ -85,7 +85,7 @@ impl Sphere {
         })
     }
 
-    fn from_within(&self, p: Vec3, dir: Vec3) -> f32 {
+    fn exit_from_within(&self, p: Vec3, dir: Vec3) -> f32 {
         let to = self.center - p;
         let along = to.dot(dir);
         let across = (to - dir * along).length();

@@ -9,4 +9,7 @@ use std::sync::Arc;
 mod closed_form;
 mod density;
 mod emitting;
+mod mitsuba;
 mod scenes;
+mod sky;
+mod tree;

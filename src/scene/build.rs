@@ -50,6 +50,7 @@ impl Scene {
             .iter()
             .map(|i| (i.to_world, i.to_world.inverse()))
             .collect();
+        let instance_groups = world.instances.iter().map(|i| i.group).collect();
         let list = std::mem::take(&mut description.shapes)
             .into_iter()
             .map(|shape| surface_of(shape, &materials))
@@ -57,6 +58,7 @@ impl Scene {
         let surfaces = Arc::new(Surfaces {
             list,
             instances,
+            instance_groups,
             materials,
         });
         let rays = accel::build(world, settings, Some(surfaces.clone()), backend)?;
@@ -155,6 +157,7 @@ fn surface_of(shape: Shape, materials: &Materials) -> Surface {
         },
         material: shape.material,
         emitter: shape.emitter.unwrap_or(DARK),
+        group: shape.group,
         needs,
     }
 }

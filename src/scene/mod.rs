@@ -1,5 +1,6 @@
 //! Scenes: first as data ([`Description`]), as an importer leaves them, then built for rendering.
 
+pub mod area;
 pub mod build;
 pub mod description;
 pub mod import;

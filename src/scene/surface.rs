@@ -27,6 +27,8 @@ pub struct Surface {
     pub material: MaterialId,
     /// The emitter it carries, or [`DARK`].
     pub emitter: EmitterId,
+    /// The group it belongs to, if it does not stand in the world by itself.
+    pub group: Option<u32>,
     /// What its material asks of [`Surfaces::point`].
     pub needs: Needs,
 }
@@ -56,6 +58,8 @@ pub struct Surfaces {
     pub list: Vec<Surface>,
     /// Indexed by [`Hit::instance`]: group to world and back.
     pub instances: Vec<(Affine3A, Affine3A)>,
+    /// Indexed by [`Hit::instance`]: the group that stands there.
+    pub instance_groups: Vec<u32>,
     /// All materials.
     pub materials: Materials,
 }

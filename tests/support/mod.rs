@@ -8,7 +8,7 @@ use twintree::bsdf::{Material, MaterialId, Materials};
 use twintree::camera::{Camera, CameraDescription, FovAxis, Projection};
 use twintree::film::{Film, FilmDescription, FilmKind, filter::Filter};
 use twintree::integrate::PathSettings;
-use twintree::integrate::render::{Limits, Observer, Progress, Summary, render};
+use twintree::integrate::render::{Limits, Observer, Progress, Summary, View, render};
 use twintree::light::Emitter;
 use twintree::math::{Affine3A, DAffine3, DVec3, Rgb, Vec3};
 use twintree::scene::description::{RenderDescription, SamplerKind};
@@ -213,15 +213,14 @@ impl Built {
             time: None,
             noise: None,
         };
-        let summary = render(
-            &self.scene,
-            &self.camera,
-            &mut film,
-            &self.film,
+        let view = View {
+            scene: &self.scene,
+            camera: &self.camera,
+            film: &self.film,
             settings,
-            &limits,
-            &Silent,
-        );
+            guide: None,
+        };
+        let summary = render(&view, &mut film, &limits, &Silent);
         (film, summary)
     }
 

@@ -6,20 +6,20 @@
 //! | `device` | devices and scenes as values that release themselves; errors as words; bytes counted |
 //! | `geometry` | from a [`World`] to Embree's scenes, vertices shared without a copy |
 //! | `callbacks` | exact shapes and masks |
-//! | `packet` | rays by sixteens |
+//! | `packet`, `single` | rays by sixteens, and one by one |
 //! | `thread` | what Embree wants of a thread that traces |
 
 mod callbacks;
 mod device;
 mod geometry;
 mod packet;
+mod single;
 #[allow(clippy::upper_case_acronyms)]
 mod sys;
 mod thread;
 
-use super::{
-    AccelError, Bounds, BuildSettings, Hit, Opacity, Ray, RayQuery, World, check, world_bounds,
-};
+use super::world::{check, overflow_factor, world_bounds};
+use super::{AccelError, Bounds, BuildSettings, Hit, Opacity, Ray, RayQuery, World};
 use device::Device;
 use geometry::Scenes;
 use std::sync::Arc;
@@ -33,6 +33,7 @@ pub struct Embree {
     scenes: Scenes,
     device: Device,
     bounds: Bounds,
+    overflow: f32,
     settings: BuildSettings,
 }
 
@@ -56,6 +57,7 @@ impl Embree {
             scenes,
             device,
             bounds: world_bounds(&world),
+            overflow: overflow_factor(&world),
             settings,
         })
     }
@@ -63,15 +65,27 @@ impl Embree {
 
 impl RayQuery for Embree {
     fn intersect(&self, ray: &Ray) -> Hit {
-        let mut hit = [Hit::NONE];
-        self.intersect_batch(std::slice::from_ref(ray), &mut hit);
-        hit[0]
+        if !ray.is_traceable_within(self.overflow) {
+            return Hit::NONE;
+        }
+        let mut context = QueryContext::new();
+        context.set_rays(std::slice::from_ref(ray));
+        let mut query = single::with_hit(ray);
+        // SAFETY: the scene is committed, the query initialised, and the context names its ray.
+        unsafe { intersect1(self.scenes.world.raw(), &mut context, &mut query) };
+        single::hit(&query, &self.scenes.numbers)
     }
 
     fn occluded(&self, ray: &Ray) -> bool {
-        let mut blocked = [false];
-        self.occluded_batch(std::slice::from_ref(ray), &mut blocked);
-        blocked[0]
+        if !ray.is_traceable_within(self.overflow) {
+            return false;
+        }
+        let mut context = QueryContext::new();
+        context.set_rays(std::slice::from_ref(ray));
+        let mut query = single::ray(ray);
+        // SAFETY: the scene is committed, the query initialised, and the context names its ray.
+        unsafe { occluded1(self.scenes.world.raw(), &mut context, &mut query) };
+        query.tfar == f32::NEG_INFINITY
     }
 
     fn intersect_batch(&self, rays: &[Ray], hits: &mut [Hit]) {
@@ -86,7 +100,7 @@ impl RayQuery for Embree {
             .chunks(packet::WIDTH)
             .zip(hits.chunks_mut(packet::WIDTH))
         {
-            packet::load(rays, &mut packet.ray, &mut valid);
+            packet::load(rays, self.overflow, &mut packet.ray, &mut valid);
             packet.hit.geomID = [INVALID_ID; packet::WIDTH];
             context.set_rays(rays);
             // SAFETY: the scene is committed, the packet initialised, and the context names its rays.
@@ -104,7 +118,7 @@ impl RayQuery for Embree {
             .chunks(packet::WIDTH)
             .zip(blocked.chunks_mut(packet::WIDTH))
         {
-            packet::load(rays, &mut packet, &mut valid);
+            packet::load(rays, self.overflow, &mut packet, &mut valid);
             context.set_rays(rays);
             // SAFETY: the scene is committed, the packet initialised, and the context names its rays.
             unsafe { occluded16(scene, &mut context, &valid, &mut packet) };

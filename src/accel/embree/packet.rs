@@ -5,18 +5,10 @@
 use super::geometry::Numbers;
 use super::sys::*;
 use crate::accel::{Hit, Ray};
+use crate::math::Vec3;
 
 /// Rays in a packet.
 pub const WIDTH: usize = 16;
-
-/// Whether a ray can be traced at all: finite, and with a range that is not empty.
-///
-/// `x * 0` is 0 for every finite `x` and NaN otherwise; a NaN bound fails the comparison.
-#[inline]
-pub fn is_traceable(ray: &Ray) -> bool {
-    let sum = ray.org * 0.0 + ray.dir * 0.0;
-    (sum.x + sum.y + sum.z == 0.0) & (ray.tmin <= ray.tmax) & (ray.tmax >= 0.0)
-}
 
 /// A packet whose unused fields are set, once for a batch.
 pub fn new_rays() -> RTCRay16 {
@@ -52,23 +44,42 @@ pub fn new_hits() -> RTCHit16 {
     }
 }
 
+/// Stands in for a ray that cannot be traced, and on the lanes behind the last ray: its range is empty.
+///
+/// Switching a lane off is not enough. Where a processor has no 16-wide registers, Embree 3 splits the
+/// packet without a look at the switches and leaves out only rays with an empty range; and Debian's
+/// library aborts the program when it meets a ray that is not finite.
+const NOTHING: Ray = Ray {
+    org: Vec3::ZERO,
+    tmin: 1.0,
+    dir: Vec3::Z,
+    tmax: 0.0,
+};
+
 /// Spreads up to 16 rays over the lanes.
 #[inline]
-pub fn load(rays: &[Ray], packet: &mut RTCRay16, valid: &mut Lanes) {
-    if rays.len() < WIDTH {
-        valid.0 = [0; WIDTH];
-    }
+pub fn load(rays: &[Ray], overflow: f32, packet: &mut RTCRay16, valid: &mut Lanes) {
     for (lane, ray) in rays.iter().take(WIDTH).enumerate() {
-        packet.org_x[lane] = ray.org.x;
-        packet.org_y[lane] = ray.org.y;
-        packet.org_z[lane] = ray.org.z;
-        packet.tnear[lane] = ray.tmin.max(0.0);
-        packet.dir_x[lane] = ray.dir.x;
-        packet.dir_y[lane] = ray.dir.y;
-        packet.dir_z[lane] = ray.dir.z;
-        packet.tfar[lane] = ray.tmax;
-        valid.0[lane] = -i32::from(is_traceable(ray));
+        let traceable = ray.is_traceable_within(overflow);
+        valid.0[lane] = -i32::from(traceable);
+        load_lane(if traceable { ray } else { &NOTHING }, lane, packet);
     }
+    for lane in rays.len()..WIDTH {
+        valid.0[lane] = 0;
+        load_lane(&NOTHING, lane, packet);
+    }
+}
+
+#[inline(always)]
+fn load_lane(ray: &Ray, lane: usize, packet: &mut RTCRay16) {
+    packet.org_x[lane] = ray.org.x;
+    packet.org_y[lane] = ray.org.y;
+    packet.org_z[lane] = ray.org.z;
+    packet.tnear[lane] = ray.tmin.max(0.0);
+    packet.dir_x[lane] = ray.dir.x;
+    packet.dir_y[lane] = ray.dir.y;
+    packet.dir_z[lane] = ray.dir.z;
+    packet.tfar[lane] = ray.tmax;
 }
 
 /// Gathers the hits from the lanes.

@@ -15,6 +15,8 @@ pub struct Candidate {
     pub prim: u32,
     pub instance: u32,
     pub margin: f64,
+    /// How much a rounding of the vertices moves `t`: 1 over the cosine at which a triangle is met.
+    pub slope: f64,
 }
 
 /// Everything `ray` crosses between its bounds, nearest first. `slack` widens each triangle by so much
@@ -73,7 +75,7 @@ fn cross_geometry(
     slack: f64,
     found: &mut Vec<Candidate>,
 ) {
-    let mut push = |prim: u32, (t, u, v, margin): (f64, f64, f64, f64)| {
+    let mut push = |prim: u32, (t, u, v, margin, slope): (f64, f64, f64, f64, f64)| {
         if t >= ray.tmin && t <= ray.tmax {
             found.push(Candidate {
                 t,
@@ -83,6 +85,7 @@ fn cross_geometry(
                 prim,
                 instance,
                 margin,
+                slope,
             });
         }
     };
@@ -96,15 +99,15 @@ fn cross_geometry(
             }
         }
         Shape::Exact(shape) => {
-            for hit in exact(shape, ray) {
-                push(0, hit);
+            for (t, u, v, margin) in exact(shape, ray) {
+                push(0, (t, u, v, margin, 1.0));
             }
         }
     }
 }
 
 /// Moeller and Trumbore in `f64`.
-fn triangle(ray: &Ray64, [a, b, c]: [DVec3; 3], slack: f64) -> Option<(f64, f64, f64, f64)> {
+fn triangle(ray: &Ray64, [a, b, c]: [DVec3; 3], slack: f64) -> Option<(f64, f64, f64, f64, f64)> {
     let (e1, e2) = (b - a, c - a);
     let p = ray.dir.cross(e2);
     let det = e1.dot(p);
@@ -116,7 +119,8 @@ fn triangle(ray: &Ray64, [a, b, c]: [DVec3; 3], slack: f64) -> Option<(f64, f64,
     let q = s.cross(e1);
     let v = ray.dir.dot(q) / det;
     let margin = u.min(v).min(1.0 - u - v);
-    (margin >= -slack).then(|| (e2.dot(q) / det, u, v, margin))
+    let slope = e1.cross(e2).length() * ray.dir.length() / det.abs();
+    (margin >= -slack).then(|| (e2.dot(q) / det, u, v, margin, slope))
 }
 
 /// Both crossings of an exact shape, by the textbook's formulas in the shape's own space.

@@ -14,12 +14,12 @@ fn agree(hit: &Hit, found: &[Candidate], tolerance: f64) -> Result<(), String> {
             None => Ok(()),
         };
     }
-    let near = |a: f64, b: f64| (a - b).abs() <= tolerance * (1.0 + a.abs());
+    let near = |c: &Candidate, t: f64| (c.t - t).abs() <= tolerance * c.slope * (1.0 + t.abs());
     let same = found.iter().find(|c| {
         c.shape == hit.shape
             && c.prim == hit.prim
             && c.instance == hit.instance
-            && near(c.t, f64::from(hit.t))
+            && near(c, f64::from(hit.t))
     });
     let Some(same) = same else {
         return Err(format!("{hit:?} is not among {found:?}"));
@@ -27,14 +27,14 @@ fn agree(hit: &Hit, found: &[Candidate], tolerance: f64) -> Result<(), String> {
     if let Some(nearer) = found
         .iter()
         .filter(clear)
-        .find(|c| !near(c.t, same.t) && c.t < same.t)
+        .find(|c| !near(c, same.t) && !near(same, c.t) && c.t < same.t)
     {
         return Err(format!("{hit:?} is behind {nearer:?}"));
     }
     let wrapped = |d: f64| d.abs().min((1.0 - d.abs()).abs());
     let du = wrapped(same.u - f64::from(hit.u));
     let dv = wrapped(same.v - f64::from(hit.v));
-    if du > 100.0 * tolerance || dv > 100.0 * tolerance {
+    if du.max(dv) > 100.0 * tolerance * same.slope {
         return Err(format!("{hit:?} has other coordinates than {same:?}"));
     }
     Ok(())
@@ -86,4 +86,56 @@ fn ray_bounds_are_kept() {
         ray.tmax = ray.tmin + 0.2 * (i % 5) as f32;
     }
     check_world(&world, &rays, 2e-6);
+}
+
+#[test]
+fn shapes_and_instances_are_met_as_brute_force_meets_them() {
+    check_world(&mixed_world(), &rays(100_000, 3.0, 11), 2e-5);
+}
+
+#[test]
+fn every_quality_finds_the_same() {
+    let world = mixed_world();
+    let rays = rays(20_000, 3.0, 12);
+    let trace = |settings| {
+        backends(&world, settings, None)
+            .into_iter()
+            .map(|tracer| {
+                let mut hits = vec![Hit::NONE; rays.len()];
+                tracer.intersect_batch(&rays, &mut hits);
+                (tracer.name(), tracer.memory_bytes(), hits)
+            })
+            .collect::<Vec<_>>()
+    };
+    let reference = trace(robust());
+    for quality in [BuildQuality::Fast, BuildQuality::High] {
+        for compact in [false, true] {
+            let settings = BuildSettings {
+                quality,
+                compact,
+                ..robust()
+            };
+            for ((name, bytes, hits), reference) in trace(settings).iter().zip(&reference) {
+                assert!(*bytes > 0, "{name} holds nothing");
+                let other = |(a, b): (&Hit, &Hit)| a.shape != b.shape || a.prim != b.prim;
+                let differ = hits.iter().zip(&reference.2).filter(|&p| other(p)).count();
+                assert!(differ <= 4, "{name} {settings:?}: {differ} hits differ");
+            }
+        }
+    }
+}
+
+#[test]
+fn bounds_hold_every_hit() {
+    let world = mixed_world();
+    let rays = rays(20_000, 3.0, 13);
+    for tracer in backends(&world, robust(), None) {
+        let b = tracer.bounds();
+        for ray in &rays {
+            let hit = tracer.intersect(ray);
+            let p = ray.at(hit.t);
+            let inside = p.cmpge(b.min - 1e-4).all() && p.cmple(b.max + 1e-4).all();
+            assert!(!hit.is_some() || inside, "{p} is outside {b:?}");
+        }
+    }
 }

@@ -2,5 +2,9 @@
 
 mod brute;
 mod closest;
+mod cuts;
+mod degenerate;
+mod masks;
 mod shapes;
+mod watertight;
 mod worlds;

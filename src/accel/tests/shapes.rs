@@ -28,13 +28,6 @@ fn surface(kind: ExactKind, u: f32, v: f32) -> Vec3 {
     }
 }
 
-fn random_map(rng: &mut Pcg32) -> Affine3A {
-    let axis = direction(rng);
-    let scale = (point(rng, 1.0) * 2.0).map(f32::exp2);
-    let map = Affine3A::from_axis_angle(axis, 6.0 * rng.next_f32()) * Affine3A::from_scale(scale);
-    Affine3A::from_translation(point(rng, 3.0)) * map
-}
-
 /// Whether a ray in direction `dir` touches rather than crosses at the unit shape's point `p`: there
 /// the rounding of the target to `f32` decides whether it is met.
 fn grazing(shape: &ExactShape, p: Vec3, dir: Vec3) -> bool {
@@ -53,7 +46,7 @@ fn rays_find_the_points_they_are_aimed_at() {
     let mut rng = Pcg32::new(5, 5);
     for round in 0..40_000 {
         let kind = KINDS[round % 4];
-        let shape = ExactShape::new(kind, random_map(&mut rng));
+        let shape = ExactShape::new(kind, random_map(&mut rng, 3.0));
         let (u, v) = (0.01 + 0.98 * rng.next_f32(), 0.01 + 0.98 * rng.next_f32());
         let target = shape.to_world.transform_point3(surface(kind, u, v));
         let dir = direction(&mut rng);
@@ -103,7 +96,7 @@ fn bounds_hold_the_shape_and_touch_it() {
     let mut rng = Pcg32::new(7, 7);
     for round in 0..40 {
         let kind = KINDS[round % 4];
-        let shape = ExactShape::new(kind, random_map(&mut rng));
+        let shape = ExactShape::new(kind, random_map(&mut rng, 3.0));
         let b = shape.bounds();
         let mut reached = Bounds::EMPTY;
         for i in 0..=100 {

@@ -1,8 +1,8 @@
 //! `sample` against `pdf` and `eval`: chi-square over the sphere, total mass, and weights.
 
-use super::models::SMOOTH;
-use super::resolved;
+use super::models::{SMOOTH, beckmann, ggx, glass, gold};
 use super::statistics::{chi_square, significance};
+use super::{of_material, resolved};
 use crate::bsdf::{Bsdf, LobeFlags, Transport};
 use crate::math::{Pcg32, Vec2, Vec3};
 use std::f64::consts::TAU;
@@ -90,7 +90,7 @@ fn expected(bsdf: &Bsdf, wo: Vec3) -> Vec<f64> {
         .collect()
 }
 
-/// Counts of smooth samples in each cell, and the number of samples that have a direction at all.
+/// Counts of smooth samples in each cell.
 fn observed(bsdf: &Bsdf, wo: Vec3, seed: u64) -> Vec<f64> {
     let mut rng = Pcg32::new(seed, 7);
     let mut counts = vec![0.0; ROWS * COLUMNS];
@@ -106,29 +106,61 @@ fn observed(bsdf: &Bsdf, wo: Vec3, seed: u64) -> Vec<f64> {
     counts
 }
 
+/// One chi-square test at the given significance, and the total mass.
+fn check(what: &str, bsdf: &Bsdf, wo: Vec3, seed: u64, threshold: f64) {
+    let density = expected(bsdf, wo);
+    let counts = observed(bsdf, wo, seed);
+    let mass: f64 = density.iter().sum();
+    let drawn = counts.iter().sum::<f64>() / DRAWS as f64;
+    // Beckmann's rational masking is up to 0.35 % off its integral.
+    let noise = 4.0 * (mass * (1.0 - mass).max(0.0) / DRAWS as f64).sqrt();
+    assert!(
+        (mass - drawn).abs() < 0.004 + noise,
+        "{what} {wo}: mass {mass}, drawn {drawn}"
+    );
+    if mass < 1e-3 {
+        return;
+    }
+    let scale = counts.iter().sum::<f64>() / mass;
+    let due: Vec<f64> = density.iter().map(|d| d * scale).collect();
+    let p = chi_square(&counts, &due).expect("cells to compare");
+    assert!(p > threshold, "{what} {wo}: p = {p:e}");
+}
+
 /// Tests of one share of the models, so that shares run at the same time.
 fn samples_follow_densities(share: usize) {
     let threshold = significance(SMOOTH.len() * directions().len());
     for (i, name) in SMOOTH.iter().enumerate().filter(|(i, _)| i % 4 == share) {
         for (k, wo) in directions().into_iter().enumerate() {
-            let bsdf = resolved(name, wo);
-            let density = expected(&bsdf, wo);
-            let counts = observed(&bsdf, wo, (100 * i + k) as u64);
-            let mass: f64 = density.iter().sum();
-            let drawn = counts.iter().sum::<f64>() / DRAWS as f64;
-            // Beckmann's rational masking is up to 0.35 % off its integral.
-            let noise = 4.0 * (mass * (1.0 - mass).max(0.0) / DRAWS as f64).sqrt();
-            assert!(
-                (mass - drawn).abs() < 0.004 + noise,
-                "{name} {wo}: mass {mass}, drawn {drawn}"
+            let seed = (100 * i + k) as u64;
+            check(name, &resolved(name, wo), wo, seed, threshold);
+        }
+    }
+}
+
+/// Sharper, rougher and more strongly refracting facets than the named models have.
+#[test]
+fn samples_follow_densities_over_roughness_and_index() {
+    let mut list = Vec::new();
+    for alpha in [0.03, 0.7, 1.0] {
+        list.push(gold(ggx(alpha)));
+        list.push(gold(beckmann(alpha)));
+    }
+    for eta in [0.6, 1.3, 2.5] {
+        list.push(glass(eta, ggx(0.4)));
+        list.push(glass(eta, beckmann(0.4)));
+    }
+    let threshold = significance(list.len() * directions().len());
+    for (i, material) in list.into_iter().enumerate() {
+        for (k, wo) in directions().into_iter().enumerate() {
+            let bsdf = of_material(material.clone(), wo);
+            check(
+                &format!("{material:?}"),
+                &bsdf,
+                wo,
+                (100 * i + k) as u64,
+                threshold,
             );
-            if mass < 1e-3 {
-                continue;
-            }
-            let scale = counts.iter().sum::<f64>() / mass;
-            let due: Vec<f64> = density.iter().map(|d| d * scale).collect();
-            let p = chi_square(&counts, &due).expect("cells to compare");
-            assert!(p > threshold, "{name} {wo}: p = {p:e}");
         }
     }
 }

@@ -17,6 +17,7 @@ impl LocalModel for Constant {
     const BASE_LEVEL: u8 = 2;
     const TABLE_LEVELS: u8 = 1;
     const SPLITS_DIRECTIONS: bool = true;
+    const SPLIT_RECORDS: u32 = 1;
     type Stats = ();
     type Frozen = ();
 

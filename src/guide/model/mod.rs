@@ -8,6 +8,7 @@
 //! A new model is a file with an implementation of [`LocalModel`] and one line in [`local_models!`].
 
 mod constant;
+mod lobe;
 mod vmf;
 
 pub(crate) use constant::Constant;
@@ -49,6 +50,8 @@ pub(crate) trait LocalModel {
     const TABLE_LEVELS: u8;
     /// Whether refining may divide directions; if not, P divides space alone.
     const SPLITS_DIRECTIONS: bool;
+    /// Records a link must have seen before it is divided, if the settings ask for fewer.
+    const SPLIT_RECORDS: u32;
     /// Training state.
     type Stats: Clone + Default + PartialEq + Send + Sync + std::fmt::Debug;
     /// Compact form for sampling.
@@ -84,6 +87,7 @@ pub(crate) struct Traits {
     pub table_levels: u8,
     pub splits_directions: bool,
     pub stats_bytes: usize,
+    pub split_records: u32,
 }
 
 /// Where a chunk of sorted records goes: consecutive links from number `first` on.
@@ -104,6 +108,8 @@ pub(crate) struct Batch<'a> {
     pub from_paths: bool,
     /// Whether these records fill the tables and models.
     pub shapes: bool,
+    /// The records have been counted before: they only fill the tables of the links marked here.
+    pub again: Option<&'a [bool]>,
 }
 
 /// Adds the records `order` (link number in the upper half, record in the lower; sorted) to their
@@ -145,6 +151,9 @@ fn accumulate_chunk<M: LocalModel>(batch: &Batch, order: &[u64], slots: Slots<M:
     let stride = 8 * fine;
     for run in order.chunk_by(|a, b| a >> 32 == b >> 32) {
         let number = (run[0] >> 32) as usize;
+        if batch.again.is_some_and(|fresh| !fresh[number]) {
+            continue;
+        }
         let link = &batch.links[number];
         let region = (batch.regions)(link);
         let i = number - slots.first as usize;
@@ -153,6 +162,12 @@ fn accumulate_chunk<M: LocalModel>(batch: &Batch, order: &[u64], slots: Slots<M:
         let down = 2 * u32::from(CODE_LEVELS - link.q.level() - M::TABLE_LEVELS);
         for o in run {
             let d = &batch.deposits[*o as u32 as usize];
+            let cell = (batch.octant)(link, d.key) as usize * fine
+                + ((d.code >> down) as usize & (fine - 1));
+            if batch.again.is_some() {
+                add_to_table(tally, table, cell, d);
+                continue;
+            }
             if batch.from_paths {
                 tally.paths.add(batch.unit, d.value);
             } else {
@@ -161,8 +176,7 @@ fn accumulate_chunk<M: LocalModel>(batch: &Batch, order: &[u64], slots: Slots<M:
             if !batch.shapes {
                 continue;
             }
-            let cell = (batch.octant)(link, d.key) as usize * fine
-                + ((d.code >> down) as usize & (fine - 1));
+            tally.count += 1;
             add_to_table(tally, table, cell, d);
             M::train(&mut slots.stats[i], &region, d);
         }
@@ -305,6 +319,7 @@ fn traits<M: LocalModel>() -> Traits {
         table_levels: M::TABLE_LEVELS,
         splits_directions: M::SPLITS_DIRECTIONS,
         stats_bytes: size_of::<M::Stats>(),
+        split_records: M::SPLIT_RECORDS,
     }
 }
 

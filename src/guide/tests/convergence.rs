@@ -1,7 +1,7 @@
 //! More photons, better field; until memory ends.
 
 use super::synthetic::{Patch, disk_light, square, unit_box};
-use crate::guide::{Field, ModelKind, Settings, Trainer};
+use crate::guide::{Field, ModelKind, PathSample, Settings, Source, Trainer};
 use crate::math::warp::concentric_disk;
 use crate::math::{Pcg32, Rgb, Vec3};
 
@@ -51,7 +51,8 @@ fn trained(settings: Settings, batches: u32) -> (Trainer, f64) {
 
 #[test]
 fn divergence_falls_as_photons_grow() {
-    for (model, goal) in [(ModelKind::Constant, 0.9), (ModelKind::Vmf, 0.9)] {
+    // A lobe is round and the lamp's image is an ellipse with an edge: the mixture's error levels off.
+    for (model, step, goal) in [(ModelKind::Constant, 0.1, 0.6), (ModelKind::Vmf, 0.0, 0.5)] {
         let settings = Settings {
             model,
             ..unit_box()
@@ -59,8 +60,7 @@ fn divergence_falls_as_photons_grow() {
         let d: Vec<f64> = [2, 4, 6, 8]
             .map(|b| trained(settings.clone(), b).1)
             .to_vec();
-        println!("{model:?}: {d:?}");
-        assert!(d.windows(2).all(|w| w[1] < w[0] - 0.02), "{model:?}: {d:?}");
+        assert!(d.windows(2).all(|w| w[1] < w[0] - step), "{model:?}: {d:?}");
         assert!(d[3] < goal, "{model:?}: {d:?}");
     }
 }
@@ -74,14 +74,81 @@ fn memory_ends_refinement_not_training() {
     let (small, d) = trained(settings, 8);
     let (large, best) = trained(unit_box(), 8);
     assert!(small.bytes() <= 100_000 && large.bytes() > 300_000);
-    println!(
-        "capped {d} free {best}: {} {} bytes",
-        small.bytes(),
-        large.bytes()
-    );
     assert!(d > best + 0.05, "{d} {best}");
     let stats = large.stats();
     assert_eq!(stats.link_direction_depths.iter().sum::<u64>(), stats.links);
     assert_eq!(stats.space_depths.iter().sum::<u64>(), stats.space_cells);
     assert_eq!(small.intakes().photons, 2000 * 255);
+}
+
+#[test]
+fn showing_a_batch_again_refines_deeper_without_counting_twice() {
+    let settings = unit_box();
+    let train = |rounds: u32| {
+        let mut t = Trainer::build(settings.clone()).unwrap();
+        t.set_surface(&Patch::floor().surface(200_000, 5), 1.0);
+        for i in 0..6u32 {
+            let n = 2000usize << i;
+            let p = disk_light(LIGHT, RADIUS, n, u64::from(i));
+            t.train(&p, n as u64);
+            t.refine_with(&p, rounds);
+        }
+        t
+    };
+    let (once, again) = (train(1), train(4));
+    assert!(again.stats().links > once.stats().links);
+    let (a, b) = (divergence(&once.freeze()), divergence(&again.freeze()));
+    assert!(b < a - 0.1, "{a} {b}");
+    let total = |t: &Trainer| -> u128 { t.tallies.iter().map(|t| t.photons.0[0]).sum() };
+    assert_eq!(total(&once), total(&again));
+    let count = |t: &Trainer| -> u64 { t.tallies.iter().map(|t| t.count).sum() };
+    assert_eq!(count(&again), 2000 * 63);
+    assert_eq!(again.intakes().photons, 2000 * 63);
+}
+
+/// Uniform directions from vertices that crowd at one side, of which few meet the lamp.
+#[test]
+fn camera_paths_alone_learn_the_light_too() {
+    let settings = Settings {
+        source: Source::Paths,
+        ..unit_box()
+    };
+    let mut t = Trainer::build(settings).unwrap();
+    let mut rng = Pcg32::new(3, 14);
+    let mut errors = Vec::new();
+    let mut vertices = 0;
+    for i in 0..6u32 {
+        let samples: Vec<PathSample> = (0..20_000usize << i)
+            .map(|_| {
+                let u = square(&mut rng);
+                let x = Vec3::new(u.x * u.x, u.y, 0.25);
+                let w = crate::math::warp::uniform_sphere(square(&mut rng));
+                let hit = x + w * ((LIGHT.z - x.z) / w.z);
+                let lit = w.z > 0.0 && hit.distance(LIGHT) < RADIUS;
+                PathSample {
+                    position: x,
+                    direction: w,
+                    radiance: if lit { Rgb::ONE } else { Rgb::ZERO },
+                    pdf: 0.25 / std::f32::consts::PI,
+                    distance: hit.distance(x),
+                    normal: Vec3::Z,
+                }
+            })
+            .collect();
+        vertices += samples.len() as u64;
+        t.train_paths(&samples);
+        t.refine_with_paths(&samples, 4);
+        assert_eq!(t.space.visits(0), vertices);
+        errors.push(divergence(&t.freeze()));
+    }
+    // 1.3 million directions, of which 5 in 1000 meet the lamp.
+    assert!(
+        errors[5] < errors[2] - 0.3 && errors[2] < errors[0],
+        "{errors:?}"
+    );
+    let field = t.freeze();
+    let x = Vec3::new(0.3, 0.6, 0.25);
+    let learned = f64::from(field.at(x, None, Rgb::ONE).irradiance().x);
+    let truth = irradiance(x, &mut rng);
+    assert!((learned / truth - 1.0).abs() < 0.2, "{learned} {truth}");
 }

@@ -186,7 +186,7 @@ fn cells_that_no_camera_meets_are_not_refined() {
     let photons = |seed| point_light(Vec3::new(0.5, 0.5, 0.3), 50_000, seed);
     let mut t = Trainer::build(unit_box()).unwrap();
     t.set_importance(&[crate::guide::SurfacePoint {
-        position: Vec3::new(0.1, 0.1, 0.25),
+        position: Vec3::new(0.45, 0.45, 0.25),
         normal: Vec3::Z,
     }]);
     for i in 0..6 {
@@ -194,8 +194,8 @@ fn cells_that_no_camera_meets_are_not_refined() {
         t.refine();
     }
     let level = |x: Vec3| t.space.nodes[t.space.leaf(t.space.grid.key(x, Vec3::Z)) as usize].level;
-    assert!(level(Vec3::new(0.1, 0.1, 0.25)) >= 3);
-    assert_eq!(level(Vec3::new(0.9, 0.9, 0.25)), 1);
+    assert!(level(Vec3::new(0.45, 0.45, 0.25)) >= 3);
+    assert_eq!(level(Vec3::new(0.55, 0.55, 0.25)), 1);
 }
 
 /// Two cells' worth of truth: where the field is right the fraction rises, where it is wrong it falls.
@@ -233,4 +233,12 @@ fn fractions_learn_which_strategy_pays() {
     let mut again = Fractions::new(&field);
     again.update(&field, &records);
     assert_eq!(f, again);
+}
+
+#[test]
+fn fields_are_shared_between_threads() {
+    fn shared<T: Send + Sync + Clone>() {}
+    shared::<crate::guide::Field>();
+    shared::<Trainer>();
+    shared::<Fractions>();
 }

@@ -1,8 +1,15 @@
 //! Reading scenes and meshes, one file a format.
 
-pub mod mesh;
-
 use std::path::PathBuf;
+
+pub mod ior;
+pub mod mesh;
+pub mod mitsuba;
+mod options;
+pub mod spectrum;
+mod spectrum_tables;
+
+pub use options::{ImportOptions, LoadMesh, OpenTexture};
 
 /// A place in a text file.
 #[derive(Clone, Debug, PartialEq, Eq)]

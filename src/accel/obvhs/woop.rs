@@ -1,0 +1,79 @@
+//! The watertight ray-triangle test of Woop, Benthin and Wald (JCGT 2013).
+//!
+//! Vertices are moved to the ray's origin and sheared so that the ray runs along +z. What is left is a
+//! point in triangle test in 2D: three edge functions, each computed from the same two rounded vertices
+//! by both triangles that share the edge, so no ray slips between them. An edge function of exactly 0 is
+//! computed again in `f64`, where the products of `f32` are exact.
+
+use crate::math::Vec3;
+
+/// A ray prepared for triangles: its largest axis, and the shear that straightens it.
+#[derive(Clone, Copy, Debug)]
+pub struct ShearedRay {
+    org: Vec3,
+    axes: [usize; 3],
+    shear: [f32; 3],
+}
+
+impl ShearedRay {
+    /// Prepares a ray whose direction is finite and not zero.
+    #[inline]
+    pub fn new(org: Vec3, dir: Vec3) -> Self {
+        let size = dir.abs();
+        let z = if size.x >= size.y && size.x >= size.z {
+            0
+        } else if size.y >= size.z {
+            1
+        } else {
+            2
+        };
+        let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
+        // Keeps the winding, so that the signs of the edge functions keep their meaning.
+        if dir[z] < 0.0 {
+            std::mem::swap(&mut x, &mut y);
+        }
+        Self {
+            org,
+            axes: [x, y, z],
+            shear: [dir[x] / dir[z], dir[y] / dir[z], 1.0 / dir[z]],
+        }
+    }
+
+    /// `(x, y, z)` of a vertex in the sheared space, z not yet scaled.
+    #[inline]
+    fn shear(&self, vertex: Vec3) -> (f32, f32, f32) {
+        let v = vertex - self.org;
+        let [x, y, z] = self.axes.map(|axis| v[axis]);
+        (x - self.shear[0] * z, y - self.shear[1] * z, z)
+    }
+
+    /// `(t, u, v)` where the line meets the triangle, from either side.
+    #[inline]
+    pub fn meet(&self, [a, b, c]: [Vec3; 3]) -> Option<(f32, f32, f32)> {
+        let (ax, ay, az) = self.shear(a);
+        let (bx, by, bz) = self.shear(b);
+        let (cx, cy, cz) = self.shear(c);
+        let mut wa = cx * by - cy * bx;
+        let mut wb = ax * cy - ay * cx;
+        let mut wc = bx * ay - by * ax;
+        if wa == 0.0 || wb == 0.0 || wc == 0.0 {
+            wa = exact_cross(cx, by, cy, bx);
+            wb = exact_cross(ax, cy, ay, cx);
+            wc = exact_cross(bx, ay, by, ax);
+        }
+        let outside = wa.min(wb).min(wc) < 0.0 && wa.max(wb).max(wc) > 0.0;
+        let det = wa + wb + wc;
+        if outside || det == 0.0 || det.is_nan() {
+            return None;
+        }
+        let inverse = 1.0 / det;
+        let t = (wa * az + wb * bz + wc * cz) * self.shear[2] * inverse;
+        Some((t, wb * inverse, wc * inverse))
+    }
+}
+
+/// `a b - c d` with exact products.
+#[cold]
+fn exact_cross(a: f32, b: f32, c: f32, d: f32) -> f32 {
+    (f64::from(a) * f64::from(b) - f64::from(c) * f64::from(d)) as f32
+}

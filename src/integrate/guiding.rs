@@ -1,0 +1,105 @@
+//! Guided directions: the field's distribution at a vertex, mixed with the BSDF's.
+//!
+//! A direction is drawn from the field with probability `a` and from the BSDF otherwise; whichever drew
+//! it, its density is the mixture `a p_field + (1 - a) p_bsdf` (one-sample multiple importance
+//! sampling with the balance heuristic). Next-event estimation is joined to that mixture. The field
+//! shapes densities only: whatever it says, the expected image is the same.
+
+use crate::bsdf::{Bsdf, BsdfSample, LobeFlags, Transport};
+use crate::guide::{Field, Fractions, LocalField};
+use crate::math::{Rgb, Vec2, Vec3};
+use crate::texture::SurfacePoint;
+
+/// Lobes narrower than this roughness find their light better by themselves.
+const MIN_ROUGHNESS: f32 = 0.05;
+
+/// A learned field, ready to guide.
+#[derive(Debug)]
+pub struct Guide {
+    /// Where light comes from.
+    pub field: Field,
+    /// How often to trust it.
+    pub fractions: Fractions,
+}
+
+/// The field at one vertex.
+pub struct GuidedVertex<'a> {
+    local: LocalField<'a>,
+    /// Probability of drawing from the field.
+    fraction: f32,
+}
+
+impl Guide {
+    /// What the field says at a vertex, or nothing where it should not be asked: no smooth lobe, a
+    /// lobe too narrow, no light known.
+    #[inline]
+    pub fn at(
+        &self,
+        point: &SurfacePoint,
+        bsdf: &Bsdf,
+        wo: Vec3,
+        throughput: Rgb,
+    ) -> Option<GuidedVertex<'_>> {
+        if !bsdf.flags().has(LobeFlags::SMOOTH) || bsdf.roughness() < MIN_ROUGHNESS {
+            return None;
+        }
+        let normal = bsdf.light_normal(wo);
+        let normal = (normal != Vec3::ZERO).then_some(normal);
+        let local = self.field.at(point.p, normal, throughput);
+        if !local.has_light() {
+            return None;
+        }
+        let fraction = self.fractions.fraction(local.cell());
+        Some(GuidedVertex { local, fraction })
+    }
+}
+
+impl GuidedVertex<'_> {
+    /// Density of the mixture for a direction to which the BSDF gives `bsdf_pdf`.
+    #[inline]
+    pub fn pdf(&self, wi: Vec3, bsdf_pdf: f32) -> f32 {
+        self.fraction * self.local.pdf(wi) + (1.0 - self.fraction) * bsdf_pdf
+    }
+
+    /// Draws a direction from the mixture. `u` are four uniform numbers.
+    #[inline]
+    pub fn sample(&self, bsdf: &Bsdf, wo: Vec3, u: [f32; 4]) -> Option<BsdfSample> {
+        if u[0] < self.fraction {
+            let select = Vec2::new(u[0] / self.fraction, u[3]);
+            return self.sample_field(bsdf, wo, select, Vec2::new(u[1], u[2]));
+        }
+        let share = 1.0 - self.fraction;
+        let u_lobe = ((u[0] - self.fraction) / share).min(BELOW_ONE);
+        let mut sample = bsdf.sample(wo, u_lobe, Vec2::new(u[1], u[2]), Transport::Radiance)?;
+        if sample.lobe.has(LobeFlags::DELTA) {
+            sample.weight /= share;
+            sample.pdf *= share;
+            return Some(sample);
+        }
+        let pdf = self.pdf(sample.wi, sample.pdf);
+        sample.weight *= sample.pdf / pdf;
+        sample.pdf = pdf;
+        Some(sample)
+    }
+
+    fn sample_field(&self, bsdf: &Bsdf, wo: Vec3, select: Vec2, u: Vec2) -> Option<BsdfSample> {
+        let drawn = self.local.sample(select, u);
+        let (value, bsdf_pdf) = bsdf.eval_pdf(wo, drawn.direction, Transport::Radiance);
+        if value == Rgb::ZERO {
+            return None;
+        }
+        let pdf = self.fraction * drawn.pdf + (1.0 - self.fraction) * bsdf_pdf;
+        // Guided directions cross no interface that would scale the throughput's eta: a transmitted
+        // direction of a rough interface keeps roulette a little shorter-lived, which is unbiased.
+        Some(BsdfSample {
+            wi: drawn.direction,
+            weight: value / pdf,
+            pdf,
+            eta: 1.0,
+            lobe: LobeFlags::SMOOTH,
+        })
+    }
+}
+
+/// The largest f32 below 1.
+const BELOW_ONE: f32 = 1.0 - f32::EPSILON * 0.5;

@@ -1,0 +1,145 @@
+//! Environment maps, spots and projectors against Mitsuba 3's.
+
+use super::scenes::*;
+use super::*;
+use crate::texture::{Checkerboard, UvTransform};
+
+/// The numbers of every line that starts with `name`.
+fn lines(name: &str) -> Vec<Vec<f32>> {
+    let lines: Vec<Vec<f32>> = include_str!("../../../tests/vectors/emitters.txt")
+        .lines()
+        .filter_map(|line| line.strip_prefix(name)?.strip_prefix(' '))
+        .map(|rest| rest.split(' ').map(|w| w.parse().unwrap()).collect())
+        .collect();
+    assert!(!lines.is_empty());
+    lines
+}
+
+fn vec3(v: &[f32]) -> Vec3 {
+    Vec3::from_slice(v)
+}
+
+fn environment() -> Lights {
+    let turn = &lines("turn")[0];
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/vectors/environment.exr");
+    let map = Emitter::EnvironmentMap {
+        path: path.into(),
+        scale: 2.0,
+        to_world: Affine3A::from_mat3(Mat3::from_cols_slice(turn)),
+        gamma: None,
+    };
+    setup(vec![], vec![map]).lights
+}
+
+#[test]
+fn environment_maps() {
+    let lights = environment();
+    for v in lines("map") {
+        let (dir, expected) = (vec3(&v), vec3(&v[3..]));
+        let radiance = lights.environment(dir);
+        // Beside the sun a rounded direction is worth a few parts in 1e5 of it.
+        assert!(
+            (radiance - expected).length() < 1e-3 * expected.length() + 0.02,
+            "{dir}: {radiance} instead of {expected}"
+        );
+        let pdf = lights.pdf_environment(Vec3::ZERO, Vec3::ZERO, dir);
+        // Ours has a little more weight in the rows at the poles and a trace of the largest channel.
+        let polar = dir.dot(environment_pole()).abs() > 0.9;
+        let allowed = if polar { 0.5 } else { 2e-3 };
+        assert!(
+            (pdf - v[6]).abs() <= allowed * v[6] + 1e-6,
+            "{dir}: density {pdf} instead of {}",
+            v[6]
+        );
+    }
+}
+
+/// World direction of the map's zenith.
+fn environment_pole() -> Vec3 {
+    Mat3::from_cols_slice(&lines("turn")[0]).y_axis
+}
+
+/// Each sample's density and radiance, looked up again, are the sample's; and their ratio integrates to the map's power.
+#[test]
+fn environment_samples() {
+    let lights = environment();
+    let mut rng = Pcg32::new(5, 6);
+    let (mut sum, draws) = (0.0, 100_000);
+    for _ in 0..draws {
+        let u = [(); 3].map(|()| rng.next_f32());
+        let s = lights.sample(Vec3::ZERO, Vec3::ZERO, u).unwrap();
+        let pdf = lights.pdf_environment(Vec3::ZERO, Vec3::ZERO, s.dir);
+        assert!((pdf / s.pdf - 1.0).abs() < 2e-3, "{s:?} {pdf}");
+        let radiance = lights.environment(s.dir);
+        assert!((radiance - s.radiance).length() < 2e-3 * radiance.length());
+        sum += f64::from(s.radiance.y / s.pdf);
+    }
+    let Distant::Map(map) = &lights.distant[0].1 else {
+        panic!("not a map");
+    };
+    let integral = f64::from(map.integral().y);
+    assert!(
+        (sum / f64::from(draws) / integral - 1.0).abs() < 3e-3,
+        "{sum} {integral}"
+    );
+}
+
+/// Irradiance at each point of the file against the light's own.
+fn compare(name: &str, emitter: Emitter) {
+    let lights = setup(vec![], vec![emitter]).lights;
+    let mut lit = 0;
+    for v in lines(name) {
+        let (p, expected) = (vec3(&v), vec3(&v[3..]));
+        let got = lights
+            .sample(p, Vec3::ZERO, [0.5; 3])
+            .map_or(Rgb::ZERO, |s| s.radiance / s.pdf);
+        lit += usize::from(got != Rgb::ZERO);
+        assert!(
+            (got - expected).length() < 1e-3 * expected.length() + 1e-5,
+            "{name} at {p}: {got} instead of {expected}"
+        );
+    }
+    assert!(lit > 10);
+}
+
+#[test]
+fn spots_and_projectors() {
+    let m = &lines("place")[0];
+    let to_world = Affine3A::from_cols_slice(m);
+    compare(
+        "spot",
+        Emitter::Spot {
+            to_world,
+            intensity: Rgb::new(3.0, 2.0, 1.0),
+            cutoff_degrees: 30.0,
+            beam_degrees: 18.0,
+            texture: None,
+        },
+    );
+    let grey = |v: f32| Texture::Constant(Rgb::splat(v));
+    let check = Checkerboard {
+        color0: grey(0.1),
+        color1: grey(0.9),
+        to_uv: UvTransform(glam::Affine2::IDENTITY),
+    };
+    compare(
+        "check",
+        Emitter::Spot {
+            to_world,
+            intensity: Rgb::splat(3.0),
+            cutoff_degrees: 30.0,
+            beam_degrees: 22.5,
+            texture: Some(Texture::Checkerboard(Arc::new(check))),
+        },
+    );
+    compare(
+        "slide",
+        Emitter::Projector {
+            to_world,
+            irradiance: grey(0.7),
+            scale: 2.0,
+            fov_degrees: 40.0,
+            aspect: 8.0 / 6.0,
+        },
+    );
+}

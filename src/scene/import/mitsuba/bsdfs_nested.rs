@@ -1,0 +1,184 @@
+//! Materials that hold other materials.
+
+use super::importer::Importer;
+use super::params::Params;
+use super::textures::Role;
+use super::value;
+use crate::bsdf::{Material, MaterialId};
+use crate::scene::import::ImportError;
+use crate::texture::Texture;
+
+impl<'a> Importer<'a> {
+    /// The materials from `mask` to `roughcoating`.
+    pub fn nested_material(&mut self, p: &Params<'a>) -> Result<Material, ImportError> {
+        match p.plugin() {
+            "mask" => Ok(Material::Mask {
+                opacity: self.texture(p, "opacity", 0.5, Role::Reflectance)?,
+                inner: self.inner(p)?,
+            }),
+            "twosided" => self.two_sided(p),
+            "bumpmap" => self.bump_map(p),
+            "normalmap" => self.normal_map(p),
+            "blendbsdf" => self.blend(p),
+            "mixturebsdf" => self.mixture(p),
+            "coating" | "roughcoating" => self.coating(p),
+            other => Err(p.error(format!("bsdf \"{other}\" is not supported"))),
+        }
+    }
+
+    /// All nested materials, in order.
+    fn inners(&mut self, p: &Params<'a>) -> Result<Vec<MaterialId>, ImportError> {
+        let children = p.children("bsdf");
+        children
+            .iter()
+            .map(|(_, index)| self.bsdf(*index))
+            .collect()
+    }
+
+    /// The one nested material.
+    fn inner(&mut self, p: &Params<'a>) -> Result<MaterialId, ImportError> {
+        match p.child("bsdf")? {
+            Some(index) => self.bsdf(index),
+            None => Err(p.error(format!("\"{}\" needs a <bsdf> inside", p.plugin()))),
+        }
+    }
+
+    fn two_sided(&mut self, p: &Params<'a>) -> Result<Material, ImportError> {
+        let inner = self.inners(p)?;
+        let (front, back) = match *inner.as_slice() {
+            [both] => (both, both),
+            [front, back] => (front, back),
+            _ => return Err(p.error("\"twosided\" needs one or two <bsdf>s inside")),
+        };
+        if self.transmits(front) || self.transmits(back) {
+            return Err(self.document.error_help(
+                p.at(),
+                "\"twosided\" is for materials that light cannot pass through",
+                Some("use the inner material without \"twosided\"".into()),
+            ));
+        }
+        Ok(Material::TwoSided { front, back })
+    }
+
+    /// Whether light can pass through a material. Inner materials were made before those around them, so
+    /// this ends.
+    fn transmits(&self, id: MaterialId) -> bool {
+        match self.materials.get(id) {
+            Material::Dielectric { .. }
+            | Material::ThinDielectric { .. }
+            | Material::RoughDielectric { .. }
+            | Material::PrincipledThin(_)
+            | Material::DiffuseTransmitter { .. }
+            | Material::Null
+            | Material::Mask { .. } => true,
+            Material::Principled(principled) => !is_black(&principled.spec_trans),
+            Material::BumpMap { inner, .. }
+            | Material::NormalMap { inner, .. }
+            | Material::Coating { inner, .. }
+            | Material::RoughCoating { inner, .. } => self.transmits(*inner),
+            Material::Blend { first, second, .. } => {
+                self.transmits(*first) || self.transmits(*second)
+            }
+            Material::Mixture { parts } => parts.iter().any(|(_, id)| self.transmits(*id)),
+            _ => false,
+        }
+    }
+
+    /// The nested texture, whatever its name.
+    fn nested_texture(&mut self, p: &Params<'a>) -> Result<Texture, ImportError> {
+        match p.child("texture")? {
+            Some(index) => self.texture_object(index, Role::Number),
+            None => Err(p.error(format!("\"{}\" needs a <texture> inside", p.plugin()))),
+        }
+    }
+
+    fn bump_map(&mut self, p: &Params<'a>) -> Result<Material, ImportError> {
+        Ok(Material::BumpMap {
+            displacement: self.nested_texture(p)?,
+            scale: p.float("scale", 1.0)? as f32,
+            inner: self.inner(p)?,
+        })
+    }
+
+    fn normal_map(&mut self, p: &Params<'a>) -> Result<Material, ImportError> {
+        p.ignore(&["flip_invalid_normals", "use_shadowing_function"]);
+        Ok(Material::NormalMap {
+            normals: self.nested_texture(p)?,
+            inner: self.inner(p)?,
+        })
+    }
+
+    fn blend(&mut self, p: &Params<'a>) -> Result<Material, ImportError> {
+        let weight = match self.texture_given(p, "weight", Role::Reflectance)? {
+            Some(weight) => weight,
+            // The texture may be anonymous.
+            None => self.nested_texture(p)?,
+        };
+        match *self.inners(p)?.as_slice() {
+            [first, second] => Ok(Material::Blend {
+                weight,
+                first,
+                second,
+            }),
+            _ => Err(p.error("\"blendbsdf\" needs two <bsdf>s inside")),
+        }
+    }
+
+    fn mixture(&mut self, p: &Params<'a>) -> Result<Material, ImportError> {
+        let text = p.text("weights")?.unwrap_or_default();
+        let at = p.place_of("weights");
+        let mut weights = value::numbers(text).map_err(|m| self.document.error(at, m))?;
+        let inner = self.inners(p)?;
+        if weights.len() != inner.len() || weights.is_empty() {
+            let (w, b) = (weights.len(), inner.len());
+            let message = format!("\"mixturebsdf\" has {w} weights for {b} <bsdf>s");
+            return Err(self.document.error(at, message));
+        }
+        if weights.iter().any(|w| *w < 0.0) {
+            return Err(self.document.error(at, "weights cannot be negative"));
+        }
+        let sum: f64 = weights.iter().sum();
+        // A little above 1 comes from writing decimals; Mitsuba scales whatever is above 1.
+        if sum > 1.0 {
+            weights.iter_mut().for_each(|w| *w /= sum);
+        }
+        if sum > 1.001 {
+            let place = self.document.location(at);
+            self.warn(format!(
+                "{place}: the weights add up to {sum}; they were scaled to 1"
+            ));
+        }
+        let weights = weights.iter().map(|w| *w as f32);
+        Ok(Material::Mixture {
+            parts: weights.zip(inner).collect(),
+        })
+    }
+
+    fn coating(&mut self, p: &Params<'a>) -> Result<Material, ImportError> {
+        let eta = self.relative_ior(p, "bk7")?;
+        let thickness = p.float_in("thickness", 1.0, 0.0..=f64::from(f32::MAX))? as f32;
+        let sigma_a = self.texture(p, "sigma_a", 0.0, Role::Number)?;
+        let specular_reflectance = self.specular(p)?;
+        if p.plugin() == "coating" {
+            return Ok(Material::Coating {
+                eta,
+                thickness,
+                sigma_a,
+                specular_reflectance,
+                inner: self.inner(p)?,
+            });
+        }
+        Ok(Material::RoughCoating {
+            eta,
+            roughness: self.roughness(p)?,
+            thickness,
+            sigma_a,
+            specular_reflectance,
+            inner: self.inner(p)?,
+        })
+    }
+}
+
+fn is_black(texture: &Texture) -> bool {
+    texture.constant().is_some_and(|c| c.max_element() <= 0.0)
+}

@@ -1,0 +1,263 @@
+//! Emitters that stand in the scene by themselves. Those inside shapes are read with the shapes.
+
+use super::importer::Importer;
+use super::params::Params;
+use super::sensors;
+use super::shapes::single;
+use super::sun_position::{self, DateAndPlace};
+use super::textures::Role;
+use super::value::{Dialect, Value};
+use crate::camera::FovAxis;
+use crate::light::{Emitter, SunSky};
+use crate::math::{DVec3, Rgb};
+use crate::scene::import::ImportError;
+use std::path::PathBuf;
+
+/// Diameter of the sun's disk seen from the earth, degrees, where a scene says nothing. Both dialects' value.
+const SUN_DIAMETER_DEGREES: f64 = 0.5358;
+
+impl<'a> Importer<'a> {
+    /// Imports the emitter that object `index` describes.
+    pub fn emitter(&mut self, index: usize) -> Result<(), ImportError> {
+        let params = Params::new(self.document, index);
+        params.ignore(&["sampling_weight"]);
+        let emitter = match params.plugin() {
+            "point" => self.point(&params)?,
+            "spot" => self.spot(&params)?,
+            "directional" => self.directional(&params)?,
+            "constant" => {
+                let radiance = self.color(&params, "radiance", Role::Light)?;
+                let radiance = radiance.unwrap_or(Rgb::ONE);
+                Emitter::Constant { radiance }
+            }
+            "envmap" => self.environment_map(&params)?,
+            "sun" | "sky" | "sunsky" => self.sun_sky(&params)?,
+            "projector" => self.projector(&params)?,
+            _ => return Err(params.error("an area light belongs inside a <shape>")),
+        };
+        self.done(&params);
+        self.emitters.push(emitter);
+        Ok(())
+    }
+
+    fn point(&mut self, p: &Params<'a>) -> Result<Emitter, ImportError> {
+        let position = match (p.vector("position")?, p.transform("to_world")?) {
+            (Some(_), Some(_)) => {
+                return Err(p.error("give \"position\" or \"to_world\", not both"));
+            }
+            (Some(position), None) => position,
+            (None, to_world) => to_world.map_or(DVec3::ZERO, |m| m.translation),
+        };
+        let intensity = self.color(p, "intensity", Role::Light)?;
+        Ok(Emitter::Point {
+            position: position.as_vec3(),
+            intensity: intensity.unwrap_or(Rgb::ONE),
+        })
+    }
+
+    fn spot(&mut self, p: &Params<'a>) -> Result<Emitter, ImportError> {
+        let cutoff = p.float_in("cutoff_angle", 20.0, 0.0..=180.0)?;
+        let beam = p.float_in("beam_width", 0.75 * cutoff, 0.0..=cutoff)?;
+        let intensity = self.color(p, "intensity", Role::Light)?;
+        let texture = self.texture_given(p, "texture", Role::Number)?;
+        Ok(Emitter::Spot {
+            to_world: single(p.to_world()?),
+            intensity: intensity.unwrap_or(Rgb::ONE),
+            cutoff_degrees: cutoff as f32,
+            beam_degrees: beam as f32,
+            texture,
+        })
+    }
+
+    fn directional(&mut self, p: &Params<'a>) -> Result<Emitter, ImportError> {
+        let direction = match (p.vector("direction")?, p.transform("to_world")?) {
+            (Some(_), Some(_)) => {
+                return Err(p.error("give \"direction\" or \"to_world\", not both"));
+            }
+            (Some(direction), None) => direction,
+            (None, to_world) => to_world.map_or(DVec3::Z, |m| m.transform_vector3(DVec3::Z)),
+        };
+        let Some(direction) = direction.try_normalize() else {
+            return Err(p.error("the direction is zero"));
+        };
+        let irradiance = self.color(p, "irradiance", Role::Light)?;
+        Ok(Emitter::Directional {
+            direction: direction.as_vec3(),
+            irradiance: irradiance.unwrap_or(Rgb::ONE),
+        })
+    }
+
+    fn environment_map(&mut self, p: &Params<'a>) -> Result<Emitter, ImportError> {
+        // Caches and a denser sampling of bright parts are the renderer's business.
+        p.ignore(&["cache", "mis_compensation"]);
+        let Some(name) = p.text("filename")? else {
+            return Err(p.error("an envmap needs a \"filename\""));
+        };
+        let at = p.place_of("filename");
+        let path = self.document.resolve(at, name);
+        let scale = p.float("scale", 1.0)? as f32;
+        let to_world = single(p.to_world()?);
+        let gamma = p.number("gamma")?.filter(|g| *g > 0.0);
+        if path.is_file() {
+            return Ok(Emitter::EnvironmentMap {
+                path,
+                scale,
+                to_world,
+                gamma: gamma.map(|g| g as f32),
+            });
+        }
+        let message = format!("there is no environment map {}", path.display());
+        if !self.options.lenient {
+            return Err(self.document.error(at, message));
+        }
+        let place = self.document.location(at);
+        self.warn(format!("{place}: {message}; mid-grey takes its place"));
+        let radiance = Rgb::splat(0.5 * scale);
+        Ok(Emitter::Constant { radiance })
+    }
+
+    fn sun_sky(&mut self, p: &Params<'a>) -> Result<Emitter, ImportError> {
+        let modern = p.dialect() == Dialect::Modern;
+        // 0.x bakes the sky into an image of that resolution; here it is evaluated as it is.
+        p.ignore(&["resolution", "complex_sun", "extend"]);
+        let to_world = p.to_world()?;
+        let plugin = p.plugin();
+        let scale = p.float("scale", 1.0)?;
+        // In 0.x a separate scale takes the place of the common one.
+        let (sun_scale, sky_scale) = match plugin {
+            "sunsky" => (p.float("sun_scale", scale)?, p.float("sky_scale", scale)?),
+            _ => (scale, scale),
+        };
+        let albedo = self.color(p, "albedo", Role::Reflectance)?;
+        let diameter = p.float_in("sun_aperture", SUN_DIAMETER_DEGREES, 0.0..=180.0)?;
+        let radius_scale = p.float_in("sun_radius_scale", 1.0, 0.0..=300.0)?;
+        let sun_direction = match p.vector("sun_direction")? {
+            Some(world) => to_world.inverse().transform_vector3(world),
+            None => self.sun_from_date(p, modern)?,
+        };
+        let Some(sun_direction) = sun_direction.try_normalize() else {
+            return Err(p.error("\"sun_direction\" is zero, or \"to_world\" cannot be inverted"));
+        };
+        Ok(Emitter::SunSky {
+            settings: SunSky {
+                sky: plugin != "sun",
+                sun: plugin != "sky",
+                sun_direction: sun_direction.as_vec3(),
+                turbidity: p.float_in("turbidity", 3.0, 1.0..=10.0)? as f32,
+                albedo: albedo.unwrap_or(Rgb::splat(if modern { 0.3 } else { 0.2 })),
+                sky_scale: sky_scale as f32,
+                sun_scale: sun_scale as f32,
+                sun_radius_degrees: (0.5 * diameter * radius_scale) as f32,
+                stretch: p.float_in("stretch", 1.0, 1.0..=2.0)? as f32,
+                z_up: modern,
+            },
+            scale: 1.0,
+            to_world: single(to_world),
+        })
+    }
+
+    /// Direction of the sun in the emitter's coordinates, from date and place.
+    fn sun_from_date(&mut self, p: &Params<'a>, modern: bool) -> Result<DVec3, ImportError> {
+        let tokyo = DateAndPlace::default();
+        let when = DateAndPlace {
+            year: p.integer("year")?.unwrap_or(tokyo.year),
+            month: p.integer("month")?.unwrap_or(tokyo.month),
+            day: p.integer("day")?.unwrap_or(tokyo.day),
+            hour: p.float("hour", tokyo.hour)?,
+            minute: p.float("minute", tokyo.minute)?,
+            second: p.float("second", tokyo.second)?,
+            latitude: p.float_in("latitude", tokyo.latitude, -90.0..=90.0)?,
+            longitude: p.float_in("longitude", tokyo.longitude, -360.0..=360.0)?,
+            timezone: p.float_in("timezone", tokyo.timezone, -24.0..=24.0)?,
+        };
+        let sensible = (-4000..=9999).contains(&when.year) && (1..=12).contains(&when.month);
+        if !sensible || !(1..=31).contains(&when.day) {
+            return Err(p.error("year, month and day are not a date"));
+        }
+        let sun = sun_position::sun(&when);
+        let direction = if modern { sun.z_up() } else { sun.y_up() };
+        if sun.zenith > std::f64::consts::FRAC_PI_2 {
+            let place = self.document.location(p.at());
+            self.warn(format!(
+                "{place}: the sun is below the horizon at this date and place"
+            ));
+        }
+        Ok(direction)
+    }
+
+    fn projector(&mut self, p: &Params<'a>) -> Result<Emitter, ImportError> {
+        let aspect = self.slide_aspect(p)?;
+        let irradiance = self.texture(p, "irradiance", 1.0, Role::Light)?;
+        let (fov, axis) = sensors::field_of_view(self.document, p)?;
+        Ok(Emitter::Projector {
+            to_world: single(p.to_world()?),
+            irradiance,
+            scale: p.float("scale", 1.0)? as f32,
+            fov_degrees: horizontal(fov, axis, aspect) as f32,
+            aspect: aspect as f32,
+        })
+    }
+
+    /// Width over height of the image that a projector shows; 1 for anything but an image.
+    fn slide_aspect(&mut self, p: &Params<'a>) -> Result<f64, ImportError> {
+        let Some(path) = self.slide(p)? else {
+            return Ok(1.0);
+        };
+        match crate::image::read(&path) {
+            Ok(image) if image.height > 0 => Ok(image.width as f64 / image.height as f64),
+            _ => {
+                let place = self.document.location(p.at());
+                self.warn(format!(
+                    "{place}: the slide's size is not known; it is taken to be square"
+                ));
+                Ok(1.0)
+            }
+        }
+    }
+
+    fn slide(&self, p: &Params<'a>) -> Result<Option<PathBuf>, ImportError> {
+        let Some(property) = p.find("irradiance") else {
+            return Ok(None);
+        };
+        let Value::Object(index) = property.value else {
+            return Ok(None);
+        };
+        let slide = Params::new(self.document, index);
+        let name = slide.text("filename")?;
+        Ok(name.map(|n| self.document.resolve(slide.place_of("filename"), n)))
+    }
+}
+
+/// The full horizontal field of view, degrees, of a picture `aspect` as wide as high.
+fn horizontal(fov: f64, axis: FovAxis, aspect: f64) -> f64 {
+    // How much wider the picture is than what the angle spans.
+    let wider = match axis {
+        FovAxis::X => 1.0,
+        FovAxis::Y => aspect,
+        FovAxis::Diagonal => aspect / aspect.hypot(1.0),
+        FovAxis::Smaller => aspect.max(1.0),
+        FovAxis::Larger => aspect.min(1.0),
+    };
+    2.0 * ((0.5 * fov.to_radians()).tan() * wider).atan().to_degrees()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fields_of_view_are_turned_into_horizontal_ones() {
+        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-9, "{a} {b}");
+        near(horizontal(90.0, FovAxis::X, 2.0), 90.0);
+        near(
+            horizontal(90.0, FovAxis::Y, 2.0),
+            2.0 * 2f64.atan().to_degrees(),
+        );
+        near(horizontal(90.0, FovAxis::Smaller, 0.5), 90.0);
+        near(horizontal(90.0, FovAxis::Larger, 2.0), 90.0);
+        near(
+            horizontal(90.0, FovAxis::Diagonal, 1.0),
+            2.0 * 0.5f64.sqrt().atan().to_degrees(),
+        );
+    }
+}

@@ -1,0 +1,119 @@
+//! Names: one spelling for both dialects, known plugins, and the nearest name to a misspelt one.
+
+/// Names of a parameter in one spelling: Mitsuba 0.x writes `toWorld` and `intIOR`, Mitsuba 3 `to_world`
+/// and `int_ior`. An underscore goes in where a capital follows a small letter or digit; everything
+/// becomes lower case.
+pub(super) fn normalise(name: &str) -> String {
+    let mut out = String::with_capacity(name.len() + 4);
+    let mut after_small = false;
+    for c in name.chars() {
+        if c.is_uppercase() && after_small {
+            out.push('_');
+        }
+        after_small = c.is_lowercase() || c.is_ascii_digit();
+        out.extend(c.to_lowercase());
+    }
+    out
+}
+
+/// The known name most like `name`, if one is like it at all.
+pub(super) fn nearest<'n>(name: &str, known: impl IntoIterator<Item = &'n str>) -> Option<&'n str> {
+    let name = name.to_lowercase();
+    known
+        .into_iter()
+        .map(|k| (strsim::jaro_winkler(&name, &k.to_lowercase()), k))
+        .filter(|(likeness, _)| *likeness > 0.75)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, k)| k)
+}
+
+/// `did you mean "x"?` for the nearest of the known names.
+pub(super) fn did_you_mean<'n>(
+    name: &str,
+    known: impl IntoIterator<Item = &'n str>,
+) -> Option<String> {
+    nearest(name, known).map(|n| format!("did you mean \"{n}\"?"))
+}
+
+/// Elements that make an object, with the plugins known for each. An empty list means that any is taken.
+#[rustfmt::skip]
+pub(super) const OBJECTS: &[(&str, &[&str])] = &[
+    ("scene", &[]),
+    ("shape", &[
+        "obj", "ply", "serialized", "rectangle", "cube", "sphere", "disk", "cylinder", "shapegroup",
+        "instance", "merge",
+    ]),
+    ("bsdf", &[
+        "diffuse", "roughdiffuse", "dielectric", "thindielectric", "roughdielectric", "conductor",
+        "roughconductor", "plastic", "roughplastic", "phong", "ward", "principled", "principledthin",
+        "mask", "twosided", "bumpmap", "normalmap", "blendbsdf", "mixturebsdf", "coating",
+        "roughcoating", "difftrans", "null", "lambertian",
+    ]),
+    ("emitter", &[
+        "area", "point", "spot", "directional", "constant", "envmap", "sun", "sky", "sunsky",
+        "projector",
+    ]),
+    ("texture", &[
+        "bitmap", "checkerboard", "gridtexture", "scale", "mesh_attribute", "vertexcolors", "uniform",
+        "rawconstant", "srgb", "d65", "blackbody", "regular", "irregular",
+    ]),
+    ("sensor", &["perspective", "thinlens", "orthographic"]),
+    ("film", &["hdrfilm", "ldrfilm"]),
+    ("rfilter", &["box", "tent", "gaussian", "mitchell", "catmullrom", "lanczos"]),
+    ("sampler", &[
+        "independent", "ldsampler", "sobol", "halton", "hammersley", "stratified", "multijitter",
+        "orthogonal",
+    ]),
+    ("integrator", &[]),
+    ("medium", &[]),
+    ("phase", &[]),
+    ("volume", &[]),
+    ("subsurface", &[]),
+    ("field", &[]),
+];
+
+/// Elements that make a parameter or steer the reader.
+#[rustfmt::skip]
+pub(super) const PARAMETERS: &[&str] = &[
+    "boolean", "integer", "float", "string", "point", "vector", "rgb", "srgb", "spectrum", "blackbody",
+    "transform", "ref", "include", "alias", "default", "path",
+];
+
+/// Plugins known for an element; `None` if the element makes no object.
+pub(super) fn plugins(tag: &str) -> Option<&'static [&'static str]> {
+    OBJECTS.iter().find(|(t, _)| *t == tag).map(|(_, p)| *p)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_spellings_become_one() {
+        for (old, new) in [
+            ("toWorld", "to_world"),
+            ("intIOR", "int_ior"),
+            ("extIOR", "ext_ior"),
+            ("diffuseReflectance", "diffuse_reflectance"),
+            ("maxDepth", "max_depth"),
+            ("fovAxis", "fov_axis"),
+            ("alphaU", "alpha_u"),
+            ("sigmaA", "sigma_a"),
+            ("kNN", "k_nn"),
+            ("B", "b"),
+            ("p0", "p0"),
+            ("principal_point_offset_x", "principal_point_offset_x"),
+        ] {
+            assert_eq!(normalise(old), new);
+            assert_eq!(normalise(new), new);
+        }
+    }
+
+    #[test]
+    fn the_nearest_name_is_found_and_strangers_are_not() {
+        let known = ["diffuse", "dielectric", "conductor"];
+        assert_eq!(nearest("difuse", known), Some("diffuse"));
+        assert_eq!(nearest("Conducter", known), Some("conductor"));
+        assert_eq!(nearest("zzz", known), None);
+    }
+}

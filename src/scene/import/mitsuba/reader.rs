@@ -1,0 +1,391 @@
+//! From elements to a [`Document`]: substitutes `$names`, follows includes, reads values, resolves
+//! references (forward ones too).
+
+use super::defines::Defines;
+use super::document::{Document, Object, Property};
+use super::value::{self, Color, Dialect, Value};
+use super::xml::{self, At, Element};
+use super::{names, references, transform};
+use crate::math::DMat4;
+use crate::scene::import::ImportError;
+use std::collections::HashMap;
+use std::path::Path;
+
+/// Files that include each other this deep are taken for a mistake.
+const MAX_INCLUDES: usize = 10;
+/// Objects of a scene, with all includes: files that include others twice grow exponentially.
+const MAX_OBJECTS: usize = 4_000_000;
+
+/// Reads the scene at `path`.
+pub(super) fn read(path: &Path, defines: &[(String, String)]) -> Result<Document, ImportError> {
+    let mut reader = Reader {
+        document: Document::default(),
+        defines: Defines::new(defines),
+        ids: HashMap::new(),
+        including: Vec::new(),
+    };
+    reader.root(path)?;
+    for name in reader.defines.unused() {
+        let warning = format!("-D {name}: the scene has no ${name}");
+        reader.document.warnings.push(warning);
+    }
+    references::resolve(&mut reader.document, &reader.ids)?;
+    Ok(reader.document)
+}
+
+pub(super) struct Reader {
+    pub document: Document,
+    pub defines: Defines,
+    /// Objects by id, with aliases.
+    pub ids: HashMap<String, usize>,
+    /// Files being read, outermost first: they must not include themselves.
+    including: Vec<std::path::PathBuf>,
+}
+
+impl Reader {
+    fn root(&mut self, path: &Path) -> Result<(), ImportError> {
+        let (root, dialect) = self.file(path, None)?;
+        if root.tag != "scene" {
+            let message = format!("expected a <scene>, found <{}>", root.tag);
+            return Err(self.document.error(root.at, message));
+        }
+        self.object(&root, dialect, None)?;
+        self.including.pop();
+        Ok(())
+    }
+
+    /// Reads a file's elements. `outer` is the dialect of the including file.
+    fn file(
+        &mut self,
+        path: &Path,
+        outer: Option<Dialect>,
+    ) -> Result<(Element, Dialect), ImportError> {
+        let plain = |message: String| ImportError {
+            at: None,
+            file: Some(path.to_owned()),
+            message,
+            help: None,
+        };
+        let bytes = std::fs::read(path).map_err(|e| plain(format!("cannot read it: {e}")))?;
+        let text = String::from_utf8(bytes)
+            .map_err(|_| plain("is not UTF-8 text; save the scene as UTF-8".into()))?;
+        let index = self.document.files.len();
+        self.document.files.push(path.to_owned());
+        let canonical = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        self.including.push(canonical);
+        let root = xml::parse(text.trim_start_matches('\u{feff}'), index, path)?;
+        let dialect = self.dialect(&root, outer)?;
+        Ok((root, dialect))
+    }
+
+    fn dialect(&self, root: &Element, outer: Option<Dialect>) -> Result<Dialect, ImportError> {
+        let Some((_, version)) = root.attributes.iter().find(|(n, _)| n == "version") else {
+            return outer.ok_or_else(|| {
+                self.document.error_help(
+                    root.at,
+                    format!("<{}> has no version", root.tag),
+                    Some("write version=\"3.0.0\" (or 0.6.0 for a Mitsuba 0.6 scene)".into()),
+                )
+            });
+        };
+        let major = version.split('.').next().unwrap_or("").trim();
+        match major.parse::<u32>() {
+            Ok(0 | 1) => Ok(Dialect::Classic),
+            Ok(2..=3) => Ok(Dialect::Modern),
+            _ => Err(self.document.error_help(
+                root.at,
+                format!("version \"{version}\" is not known"),
+                Some("0.4 to 0.6 and 2.0 to 3.x are".into()),
+            )),
+        }
+    }
+
+    /// Reads an object element; returns its index. `parent` gets it as a property by the caller.
+    fn object(
+        &mut self,
+        element: &Element,
+        dialect: Dialect,
+        attributes: Option<HashMap<String, String>>,
+    ) -> Result<usize, ImportError> {
+        let attributes = match attributes {
+            Some(ready) => ready,
+            None => self.attributes(element)?,
+        };
+        let is_scene = element.tag == "scene";
+        let plugin = match attributes.get("type") {
+            Some(plugin) => plugin.clone(),
+            None if is_scene => "scene".into(),
+            None => {
+                let message = format!("<{}> has no type", element.tag);
+                return Err(self.document.error(element.at, message));
+            }
+        };
+        self.warn_attributes(element, &["type", "id", "name", "version"]);
+        let index = self.document.objects.len();
+        if index >= MAX_OBJECTS {
+            let message = format!("the scene has more than {MAX_OBJECTS} objects");
+            return Err(self.document.error(element.at, message));
+        }
+        self.document.objects.push(Object {
+            tag: element.tag.clone(),
+            plugin,
+            id: attributes.get("id").cloned(),
+            at: element.at,
+            dialect,
+            properties: Vec::new(),
+        });
+        if let Some(id) = attributes.get("id") {
+            self.register(id, index, element.at)?;
+        }
+        for child in &element.children {
+            self.child(index, child, dialect)?;
+        }
+        Ok(index)
+    }
+
+    fn register(&mut self, id: &str, index: usize, at: At) -> Result<(), ImportError> {
+        let Some(&previous) = self.ids.get(id) else {
+            self.ids.insert(id.to_owned(), index);
+            return Ok(());
+        };
+        let first = self.document.location(self.document.objects[previous].at);
+        let message = format!("the id \"{id}\" is taken: {first} has it too");
+        Err(self.document.error(at, message))
+    }
+
+    /// Reads one element inside object `parent`.
+    fn child(
+        &mut self,
+        parent: usize,
+        element: &Element,
+        dialect: Dialect,
+    ) -> Result<(), ImportError> {
+        let tag = element.tag.as_str();
+        let attributes = self.attributes(element)?;
+        let plugin_element = names::plugins(tag).is_some() && tag != "scene";
+        // `<spectrum type="...">` is an object, a texture without a place.
+        if plugin_element || (tag == "spectrum" && attributes.contains_key("type")) {
+            let name = attributes.get("name").cloned().unwrap_or_default();
+            let index = self.object(element, dialect, Some(attributes))?;
+            self.push(parent, &name, element.at, Value::Object(index));
+            return Ok(());
+        }
+        match tag {
+            "default" => {
+                let name = self.required(element, &attributes, "name")?;
+                let value = self.required(element, &attributes, "value")?;
+                self.defines.add_default(name, value);
+            }
+            "include" => self.include(parent, element, &attributes, dialect)?,
+            "alias" => {
+                let id = self.required(element, &attributes, "id")?;
+                let alias = self.required(element, &attributes, "as")?.to_owned();
+                let Some(&index) = self.ids.get(id) else {
+                    return Err(references::unknown(
+                        &self.document,
+                        &self.ids,
+                        id,
+                        element.at,
+                    ));
+                };
+                self.register(&alias, index, element.at)?;
+            }
+            "path" => {
+                let name = self.required(element, &attributes, "value")?;
+                let directory = self.document.resolve(element.at, name);
+                if !directory.is_dir() {
+                    let message = format!("there is no directory {}", directory.display());
+                    return Err(self.document.error(element.at, message));
+                }
+                self.document.search.insert(0, directory);
+            }
+            _ => {
+                let value = self.value(element, &attributes)?;
+                let name = attributes.get("name").cloned().unwrap_or_default();
+                if name.is_empty() && !matches!(value, Value::Reference(_)) {
+                    let message = format!("<{tag}> has no name");
+                    return Err(self.document.error(element.at, message));
+                }
+                self.push(parent, &name, element.at, value);
+            }
+        }
+        Ok(())
+    }
+
+    fn push(&mut self, parent: usize, name: &str, at: At, value: Value) {
+        let normal = names::normalise(name);
+        let object = &mut self.document.objects[parent];
+        let twice = !normal.is_empty() && object.properties.iter().any(|p| p.name == normal);
+        object.properties.push(Property {
+            name: normal,
+            written: name.to_owned(),
+            at,
+            value,
+        });
+        if twice {
+            let place = self.document.location(at);
+            let warning = format!("{place}: \"{name}\" is given twice; the last one counts");
+            self.document.warnings.push(warning);
+        }
+    }
+
+    fn include(
+        &mut self,
+        parent: usize,
+        element: &Element,
+        attributes: &HashMap<String, String>,
+        dialect: Dialect,
+    ) -> Result<(), ImportError> {
+        let name = self.required(element, attributes, "filename")?;
+        let path = self.document.resolve(element.at, name);
+        let canonical = path.canonicalize().unwrap_or_else(|_| path.clone());
+        if self.including.contains(&canonical) {
+            let message = format!("{} includes itself", path.display());
+            return Err(self.document.error(element.at, message));
+        }
+        if self.including.len() >= MAX_INCLUDES {
+            let message = format!("includes are nested more than {MAX_INCLUDES} deep");
+            return Err(self.document.error(element.at, message));
+        }
+        if !path.is_file() {
+            let message = format!("there is no file {} to include", path.display());
+            return Err(self.document.error(element.at, message));
+        }
+        let (root, dialect) = self.file(&path, Some(dialect))?;
+        if root.tag == "scene" {
+            for child in &root.children {
+                self.child(parent, child, dialect)?;
+            }
+        } else {
+            self.child(parent, &root, dialect)?;
+        }
+        self.including.pop();
+        Ok(())
+    }
+}
+
+/// Attributes and values.
+impl Reader {
+    /// An element's attributes with values put in for `$names`.
+    fn attributes(&mut self, element: &Element) -> Result<HashMap<String, String>, ImportError> {
+        let mut out = HashMap::with_capacity(element.attributes.len());
+        for (name, text) in &element.attributes {
+            let substituted = self.defines.substitute(text);
+            let text = substituted.map_err(|m| self.document.error(element.at, m))?;
+            out.insert(name.clone(), text);
+        }
+        Ok(out)
+    }
+
+    fn required<'m>(
+        &self,
+        element: &Element,
+        attributes: &'m HashMap<String, String>,
+        name: &str,
+    ) -> Result<&'m str, ImportError> {
+        attributes.get(name).map(String::as_str).ok_or_else(|| {
+            let message = format!("<{}> has no \"{name}\"", element.tag);
+            self.document.error(element.at, message)
+        })
+    }
+
+    fn warn_attributes(&mut self, element: &Element, known: &[&str]) {
+        let place = self.document.location(element.at);
+        for (name, _) in &element.attributes {
+            if known.contains(&name.as_str()) {
+                continue;
+            }
+            let hint = names::did_you_mean(name, known.iter().copied());
+            let hint = hint.map(|h| format!("; {h}")).unwrap_or_default();
+            let warning = format!(
+                "{place}: <{}> has no attribute \"{name}\"{hint}",
+                element.tag
+            );
+            self.document.warnings.push(warning);
+        }
+    }
+
+    fn value(
+        &mut self,
+        element: &Element,
+        attributes: &HashMap<String, String>,
+    ) -> Result<Value, ImportError> {
+        let tag = element.tag.as_str();
+        if let Some(intruder) = element.children.first().filter(|_| tag != "transform") {
+            let message = format!("<{}> cannot stand inside <{tag}>", intruder.tag);
+            return Err(self.document.error(intruder.at, message));
+        }
+        let text = || self.required(element, attributes, "value");
+        let get = |name: &str| attributes.get(name).map(String::as_str);
+        let value = match tag {
+            "boolean" => value::boolean(text()?).map(Value::Boolean),
+            "integer" => value::integer(text()?).map(Value::Integer),
+            "float" => value::number(text()?).map(Value::Float),
+            "string" => Ok(Value::Text(text()?.to_owned())),
+            "point" | "vector" => transform::xyz(&get, 0.0).map(Value::Vector),
+            "rgb" => value::rgb(text()?, false).map(Value::Color),
+            "srgb" => value::rgb(text()?, true).map(Value::Color),
+            "blackbody" => black_body(&get).map(Value::Color),
+            "spectrum" => return self.spectrum(element, attributes).map(Value::Color),
+            "transform" => return self.transform(element).map(Value::Transform),
+            "ref" => {
+                let id = self.required(element, attributes, "id")?;
+                Ok(Value::Reference(id.to_owned()))
+            }
+            _ => return Err(self.unknown_element(element)),
+        };
+        value.map_err(|message| self.document.error(element.at, message))
+    }
+
+    fn spectrum(
+        &self,
+        element: &Element,
+        attributes: &HashMap<String, String>,
+    ) -> Result<Color, ImportError> {
+        let error = |message: String| self.document.error(element.at, message);
+        let Some(name) = attributes.get("filename") else {
+            return value::spectrum(self.required(element, attributes, "value")?).map_err(error);
+        };
+        let path = self.document.resolve(element.at, name);
+        let text = std::fs::read_to_string(&path)
+            .map_err(|e| error(format!("cannot read the spectrum {}: {e}", path.display())))?;
+        value::spectrum_file(&text).map_err(|m| error(format!("{}: {m}", path.display())))
+    }
+
+    fn transform(&mut self, element: &Element) -> Result<DMat4, ImportError> {
+        let mut whole = DMat4::IDENTITY;
+        for child in &element.children {
+            let attributes = self.attributes(child)?.into_iter().collect();
+            let child = Element {
+                tag: child.tag.clone(),
+                attributes,
+                at: child.at,
+                children: Vec::new(),
+            };
+            let step = transform::step(&child).map_err(|m| self.document.error(child.at, m))?;
+            whole = step * whole;
+        }
+        Ok(whole)
+    }
+
+    fn unknown_element(&self, element: &Element) -> ImportError {
+        let known = names::OBJECTS.iter().map(|(tag, _)| *tag);
+        let known = known.chain(names::PARAMETERS.iter().copied());
+        let help = match element.tag.as_str() {
+            "luminaire" | "camera" => Some(
+                "this is Mitsuba 0.3's language: load the scene once in Mitsuba 0.6, which upgrades it"
+                    .to_owned(),
+            ),
+            "animation" => Some("motion is not supported; write a single <transform>".into()),
+            tag => names::did_you_mean(tag, known),
+        };
+        let message = format!("<{}> is not known", element.tag);
+        self.document.error_help(element.at, message, help)
+    }
+}
+
+fn black_body<'e>(attribute: &impl Fn(&str) -> Option<&'e str>) -> Result<Color, String> {
+    let kelvin = attribute("temperature").ok_or("a <blackbody> needs a temperature")?;
+    let scale = attribute("scale").map_or(Ok(1.0), value::number)?;
+    Ok(Color::BlackBody(value::temperature(kelvin)?, scale))
+}

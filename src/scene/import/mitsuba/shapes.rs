@@ -1,0 +1,273 @@
+//! Shapes: mesh files, exact shapes, the cube, groups and their instances.
+
+use super::importer::Importer;
+use super::meshes::Request;
+use super::params::Params;
+use super::textures::Role;
+use crate::accel::{ExactKind, ExactShape, TriangleMesh};
+use crate::bsdf::MaterialId;
+use crate::math::{Affine3A, DAffine3, DVec3, Vec2};
+use crate::scene::import::ImportError;
+use crate::scene::import::mesh::{MeshKind, MeshOptions};
+use crate::scene::{Geometry, Mesh};
+use crate::texture::Texture;
+use glam::DMat3;
+use std::sync::Arc;
+
+/// A shape whose mesh may not have been loaded yet.
+pub(super) struct PendingShape {
+    pub name: String,
+    pub geometry: PendingGeometry,
+    pub material: MaterialId,
+    /// What it emits, if it glows.
+    pub radiance: Option<Texture>,
+    pub flip_normals: bool,
+    pub group: Option<u32>,
+}
+
+/// What a pending shape is made of.
+pub(super) enum PendingGeometry {
+    Ready(Geometry),
+    File(Request),
+}
+
+impl<'a> Importer<'a> {
+    /// Imports the shape that object `index` describes, into a group or the world.
+    pub fn shape(&mut self, index: usize, group: Option<u32>) -> Result<(), ImportError> {
+        let params = Params::new(self.document, index);
+        match params.plugin() {
+            // A group shows nothing until it is instanced.
+            "shapegroup" => self.group(index).map(|_| ()),
+            "instance" if group.is_some() => {
+                Err(params.error("an instance cannot stand inside a group"))
+            }
+            "instance" => self.instance(&params),
+            "merge" => {
+                for (_, inner) in params.children("shape") {
+                    self.shape(inner, group)?;
+                }
+                self.done(&params);
+                Ok(())
+            }
+            _ => self.surface(&params, index, group),
+        }
+    }
+
+    /// A shape that rays can meet.
+    fn surface(
+        &mut self,
+        p: &Params<'a>,
+        index: usize,
+        group: Option<u32>,
+    ) -> Result<(), ImportError> {
+        let (geometry, flip_normals) = match p.plugin() {
+            "obj" => (self.mesh_file(p, MeshKind::Obj)?, false),
+            "ply" => (self.mesh_file(p, MeshKind::Ply)?, false),
+            "serialized" => (self.mesh_file(p, MeshKind::Serialized)?, false),
+            "cube" => (cube(p)?, false),
+            _ => (self.exact(p)?, p.boolean("flip_normals", false)?),
+        };
+        let radiance = self.radiance(p)?;
+        if radiance.is_some() && group.is_some() {
+            return Err(p.error("a shape in a group cannot glow"));
+        }
+        let material = match p.child("bsdf")? {
+            Some(bsdf) => self.bsdf(bsdf)?,
+            None => self.default_bsdf(radiance.is_some()),
+        };
+        for tag in ["medium", "subsurface"] {
+            for (_, inner) in p.children(tag) {
+                self.no_media(inner)?;
+            }
+        }
+        // Mitsuba measures light at shapes with sensors; only the scene's own sensor matters here.
+        let _ = p.children("sensor");
+        p.ignore(&["silhouette_sampling_weight"]);
+        let object = &self.document.objects[index];
+        let name = match (&object.id, &geometry) {
+            (Some(id), _) => id.clone(),
+            (None, PendingGeometry::File(request)) => {
+                let file = request.path.file_name();
+                file.map_or_else(String::new, |f| f.to_string_lossy().into_owned())
+            }
+            (None, _) => object.plugin.clone(),
+        };
+        self.shapes.push(PendingShape {
+            name,
+            geometry,
+            material,
+            radiance,
+            flip_normals,
+            group,
+        });
+        self.done(p);
+        Ok(())
+    }
+
+    /// What an `area` emitter inside a shape emits.
+    fn radiance(&mut self, p: &Params<'a>) -> Result<Option<Texture>, ImportError> {
+        let Some(index) = p.child("emitter")? else {
+            return Ok(None);
+        };
+        let inner = Params::new(self.document, index);
+        if inner.plugin() != "area" {
+            let plugin = inner.plugin();
+            return Err(inner.error(format!("emitter \"{plugin}\" cannot stand inside a shape")));
+        }
+        inner.ignore(&["sampling_weight"]);
+        let radiance = self.texture(&inner, "radiance", 1.0, Role::Light)?;
+        self.done(&inner);
+        Ok(Some(radiance))
+    }
+
+    fn mesh_file(
+        &mut self,
+        p: &Params<'a>,
+        kind: MeshKind,
+    ) -> Result<PendingGeometry, ImportError> {
+        let Some(name) = p.text("filename")? else {
+            return Err(p.error(format!("\"{}\" needs a \"filename\"", p.plugin())));
+        };
+        p.ignore(&["collapse", "srgb"]);
+        let at = p.place_of("filename");
+        let shape_index = match kind {
+            MeshKind::Serialized => p.count("shape_index", 0, 0)? as usize,
+            MeshKind::Obj | MeshKind::Ply => 0,
+        };
+        let angle = p.number("max_smooth_angle")?;
+        let options = MeshOptions {
+            to_world: p.to_world()?,
+            face_normals: p.boolean("face_normals", false)?,
+            flip_normals: p.boolean("flip_normals", false)?,
+            // Both dialects turn v around for OBJ, whose v points up while rows of images go down.
+            flip_tex_coords: p.boolean("flip_tex_coords", kind == MeshKind::Obj)?,
+            max_smooth_angle: angle.map(|a| a as f32),
+            shape_index,
+            lenient: self.options.lenient,
+        };
+        Ok(PendingGeometry::File(Request {
+            path: self.document.resolve(at, name),
+            kind,
+            options,
+            at,
+        }))
+    }
+
+    fn exact(&mut self, p: &Params<'a>) -> Result<PendingGeometry, ImportError> {
+        let to_world = p.to_world()?;
+        let (kind, local) = match p.plugin() {
+            "sphere" => {
+                let center = p.vector("center")?.unwrap_or_default();
+                let radius = p.positive("radius", 1.0)?;
+                let placed =
+                    DAffine3::from_translation(center) * DAffine3::from_scale(DVec3::splat(radius));
+                (ExactKind::Sphere, placed)
+            }
+            "disk" => (ExactKind::Disk, DAffine3::IDENTITY),
+            "cylinder" => (ExactKind::Cylinder, cylinder(p)?),
+            _ => (ExactKind::Rectangle, DAffine3::IDENTITY),
+        };
+        let placed = to_world * local;
+        let axes = placed.matrix3;
+        let flat = matches!(kind, ExactKind::Disk | ExactKind::Rectangle);
+        let size = if flat {
+            axes.x_axis.cross(axes.y_axis).length()
+        } else {
+            axes.determinant().abs()
+        };
+        if size == 0.0 {
+            let place = self.document.location(p.place_of("to_world"));
+            self.warn(format!(
+                "{place}: this shape is flattened to nothing and will not be seen"
+            ));
+        }
+        let shape = ExactShape::new(kind, single(placed));
+        Ok(PendingGeometry::Ready(Geometry::Exact(shape)))
+    }
+
+    /// The group that object `index` describes. Its shapes are imported once.
+    fn group(&mut self, index: usize) -> Result<u32, ImportError> {
+        if let Some(&group) = self.group_of.get(&index) {
+            return Ok(group);
+        }
+        let params = Params::new(self.document, index);
+        let group = self.group_of.len() as u32;
+        self.group_of.insert(index, group);
+        for (_, inner) in params.children("shape") {
+            if self.document.objects[inner].plugin == "shapegroup" {
+                return Err(params.error("a group cannot hold another group"));
+            }
+            self.shape(inner, Some(group))?;
+        }
+        self.done(&params);
+        Ok(group)
+    }
+
+    fn instance(&mut self, p: &Params<'a>) -> Result<(), ImportError> {
+        let group = match p.child("shape")? {
+            Some(index) if self.document.objects[index].plugin == "shapegroup" => {
+                self.group(index)?
+            }
+            _ => return Err(p.error("an instance needs a \"shapegroup\" inside (often a <ref>)")),
+        };
+        self.instances.push((group, p.to_world()?));
+        self.done(p);
+        Ok(())
+    }
+}
+
+/// A map in single precision.
+pub(super) fn single(m: DAffine3) -> Affine3A {
+    Affine3A::from_mat3_translation(m.matrix3.as_mat3(), m.translation.as_vec3())
+}
+
+/// The map from the unit cylinder to one from `p0` to `p1`.
+fn cylinder(p: &Params) -> Result<DAffine3, ImportError> {
+    let start = p.vector("p0")?.unwrap_or_default();
+    let axis = p.vector("p1")?.unwrap_or(DVec3::Z) - start;
+    let radius = p.positive("radius", 1.0)?;
+    let Some(direction) = axis.try_normalize() else {
+        return Err(p.error("\"p0\" and \"p1\" are the same point"));
+    };
+    let (s, t) = direction.any_orthonormal_pair();
+    Ok(DAffine3 {
+        matrix3: DMat3::from_cols(s * radius, t * radius, axis),
+        translation: start,
+    })
+}
+
+/// The cube from -1 to 1: two triangles a face, so that each face has its own normal and the unit square
+/// as texture coordinates.
+fn cube(p: &Params) -> Result<PendingGeometry, ImportError> {
+    let to_world = p.to_world()?;
+    // Faces stay turned outwards under a mirroring map, as Mitsuba's vertex normals do.
+    let inward = p.boolean("flip_normals", false)? != (to_world.matrix3.determinant() < 0.0);
+    let (mut positions, mut uvs, mut triangles) = (Vec::new(), Vec::new(), Vec::new());
+    for (normal, u_axis) in [
+        (DVec3::X, DVec3::Y),
+        (DVec3::NEG_X, DVec3::Y),
+        (DVec3::Y, DVec3::Z),
+        (DVec3::NEG_Y, DVec3::Z),
+        (DVec3::Z, DVec3::X),
+        (DVec3::NEG_Z, DVec3::X),
+    ] {
+        let v_axis = normal.cross(u_axis);
+        let first = positions.len() as u32;
+        for (u, v) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+            let corner = normal + u_axis * u + v_axis * v;
+            positions.push(to_world.transform_point3(corner).as_vec3());
+            uvs.push(Vec2::new(0.5 * (u as f32 + 1.0), 0.5 * (v as f32 + 1.0)));
+        }
+        for [a, b, c] in [[0, 1, 2], [0, 2, 3]] {
+            let (b, c) = if inward { (c, b) } else { (b, c) };
+            triangles.push([first + a, first + b, first + c]);
+        }
+    }
+    let triangles = TriangleMesh::new(positions, triangles).map_err(|e| p.error(e.to_string()))?;
+    Ok(PendingGeometry::Ready(Geometry::Mesh(Arc::new(Mesh {
+        triangles: Arc::new(triangles),
+        normals: None,
+        uvs: Some(Arc::new(uvs)),
+        ..Mesh::default()
+    }))))
+}
