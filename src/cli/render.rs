@@ -13,7 +13,7 @@ use crate::accel::{Backend, BuildSettings};
 use crate::camera::Camera;
 use crate::film::Film;
 use crate::image::Attribute;
-use crate::integrate::render::{StoppedBy, Summary, render};
+use crate::integrate::render::{StoppedBy, Summary, View, render};
 use crate::report::scene::triangles;
 use crate::report::stats::Stats;
 use crate::report::words;
@@ -129,15 +129,14 @@ fn trace(
     );
     let watch = Watch::start(interrupt, console, limits, film, preview);
     interrupt.be_patient();
-    let summary = render(
+    let view = View {
         scene,
-        &camera,
-        film,
-        &description.film,
-        &settings,
-        &limits,
-        &watch,
-    );
+        camera: &camera,
+        film: &description.film,
+        settings: &settings,
+        guide: None,
+    };
+    let summary = render(&view, film, &limits, &watch);
     watch.finish(film);
     summary
 }
