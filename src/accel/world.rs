@@ -36,6 +36,7 @@ fn largest(map: &Affine3A) -> f32 {
 
 /// The factor for [`Ray::is_traceable_within`](super::Ray::is_traceable_within) such that a ray which
 /// passes stays below [`LARGEST`](super::LARGEST) in the space of every instance, too.
+#[cfg(feature = "embree")]
 pub fn overflow_factor(world: &World) -> f32 {
     let steepest = world
         .instances

@@ -34,8 +34,10 @@ pub struct FilmDescription {
     pub exposure: f32,
 }
 
+pub mod layers;
 pub mod tile;
 
+pub use layers::{Layers, Metadata};
 pub use tile::{Pixel, Sample, TILE_SIZE, Tile};
 
 /// Share of the pixels, the noisiest, that [`Film::noise`] leaves out: a single bright speck would

@@ -58,7 +58,7 @@ fn colour_channels(image: &Image) -> Option<[usize; 3]> {
         image
             .channels
             .iter()
-            .position(|c| c.eq_ignore_ascii_case(name))
+            .position(|c| c.name.eq_ignore_ascii_case(name))
     };
     match (find("r"), find("g"), find("b")) {
         (Some(r), Some(g), Some(b)) => Some([r, g, b]),

@@ -1,6 +1,19 @@
 //! Textures: a value at a point of a surface, from a constant, an image, a pattern or the mesh itself.
 
-use crate::math::{Frame, Rgb, Vec2, Vec3};
+mod bitmap;
+#[cfg(feature = "oiio")]
+mod cached;
+mod curve;
+mod pattern;
+mod place;
+mod pyramid;
+mod store;
+
+pub use bitmap::Bitmap;
+pub use pattern::{Checkerboard, Grid};
+pub use store::TextureStore;
+
+use crate::math::{Frame, Rgb, Vec2, Vec3, luminance};
 
 /// Values that a mesh carries along with its vertices or faces, under a name.
 #[derive(Debug, Clone, Default)]
@@ -125,30 +138,6 @@ pub enum Filter {
     Linear,
 }
 
-/// Two values in squares.
-#[derive(Clone, Debug)]
-pub struct Checkerboard {
-    /// Value of the first square.
-    pub color0: Texture,
-    /// Value of the second square.
-    pub color1: Texture,
-    /// Placement.
-    pub to_uv: UvTransform,
-}
-
-/// Lines of one value on another (Mitsuba 0.x `gridtexture`).
-#[derive(Clone, Debug)]
-pub struct Grid {
-    /// Background.
-    pub color0: Rgb,
-    /// Lines.
-    pub color1: Rgb,
-    /// Width of the lines in texture units.
-    pub line_width: f32,
-    /// Placement.
-    pub to_uv: UvTransform,
-}
-
 /// What a scene asks of an image texture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BitmapSettings {
@@ -172,28 +161,38 @@ pub struct BitmapSettings {
 
 impl Texture {
     /// The value at a point.
+    #[inline]
     pub fn eval(&self, point: &SurfacePoint) -> Rgb {
-        let _ = point;
         match self {
             Texture::Constant(c) => *c,
-            _ => unimplemented!(),
+            Texture::Bitmap(bitmap) => bitmap.eval(point),
+            Texture::Checkerboard(board) => board.eval(point),
+            Texture::Grid(grid) => grid.eval(point.uv),
+            Texture::Scale(scaled) => scaled.0.eval(point) * scaled.1,
+            Texture::MeshAttribute(name) => point.attribute(name),
         }
     }
 
     /// The value as one number: a grey image's value, a colour's luminance.
+    #[inline]
     pub fn eval_scalar(&self, point: &SurfacePoint) -> f32 {
-        let _ = point;
         match self {
-            Texture::Constant(c) => crate::math::luminance(*c),
-            _ => unimplemented!(),
+            Texture::Constant(c) => luminance(*c),
+            Texture::Bitmap(bitmap) => bitmap.eval_scalar(point),
+            other => luminance(other.eval(point)),
         }
     }
 
-    /// The mean value over the whole texture, for light selection and sampling weights.
+    /// The mean value over the whole texture, for light selection and sampling weights. The mean of a
+    /// mesh attribute is not known here: a half stands for it.
     pub fn mean(&self) -> Rgb {
         match self {
             Texture::Constant(c) => *c,
-            _ => unimplemented!(),
+            Texture::Bitmap(bitmap) => bitmap.mean(),
+            Texture::Checkerboard(board) => (board.color0.mean() + board.color1.mean()) * 0.5,
+            Texture::Grid(grid) => grid.color0.lerp(grid.color1, grid.line_share()),
+            Texture::Scale(scaled) => scaled.0.mean() * scaled.1,
+            Texture::MeshAttribute(_) => Rgb::splat(0.5),
         }
     }
 
@@ -207,24 +206,25 @@ impl Texture {
     }
 }
 
-/// An image texture, opened.
-#[derive(Debug)]
-pub struct Bitmap {}
-
-/// Opens image textures, each file once, under one memory budget.
-#[derive(Debug)]
-pub struct TextureStore {}
-
-impl TextureStore {
-    /// A store whose cache holds at most `memory_bytes` of texels.
-    pub fn new(memory_bytes: usize) -> Self {
-        let _ = memory_bytes;
-        unimplemented!()
-    }
-
-    /// Opens an image texture. An error names the file.
-    pub fn open(&self, settings: BitmapSettings) -> Result<Texture, crate::image::ImageError> {
-        let _ = settings;
-        unimplemented!()
+impl SurfacePoint<'_> {
+    /// The mesh's attribute of that name here; black where there is none.
+    fn attribute(&self, name: &str) -> Rgb {
+        let list = self.attributes.map_or(&[][..], |a| &a.list);
+        let Some(attribute) = list.iter().find(|a| a.name == name) else {
+            return Rgb::ZERO;
+        };
+        let value = |i: u32| {
+            attribute
+                .values
+                .get(i as usize)
+                .copied()
+                .unwrap_or(Rgb::ZERO)
+        };
+        if attribute.per_face {
+            return value(self.prim);
+        }
+        let [a, b, c] = self.vertices.map(value);
+        let Vec2 { x: u, y: v } = self.barycentric;
+        a * (1.0 - u - v) + b * u + c * v
     }
 }

@@ -8,6 +8,7 @@ use twintree::bsdf::{Material, MaterialId, Materials};
 use twintree::camera::{Camera, CameraDescription, FovAxis, Projection};
 use twintree::film::{Film, FilmDescription, FilmKind, filter::Filter};
 use twintree::integrate::PathSettings;
+use twintree::integrate::guiding::Guide;
 use twintree::integrate::render::{Limits, Observer, Progress, Summary, View, render};
 use twintree::light::Emitter;
 use twintree::math::{Affine3A, DAffine3, DVec3, Rgb, Vec3};
@@ -205,8 +206,18 @@ pub fn settings() -> PathSettings {
 }
 
 impl Built {
-    /// Renders `spp` samples a pixel.
+    /// Renders `spp` samples a pixel, unguided.
     pub fn render(&self, settings: &PathSettings, spp: u64) -> (Film, Summary) {
+        self.render_guided(settings, spp, None)
+    }
+
+    /// Renders `spp` samples a pixel.
+    pub fn render_guided(
+        &self,
+        settings: &PathSettings,
+        spp: u64,
+        guide: Option<&Guide>,
+    ) -> (Film, Summary) {
         let mut film = Film::new(&self.film);
         let limits = Limits {
             spp,
@@ -218,7 +229,7 @@ impl Built {
             camera: &self.camera,
             film: &self.film,
             settings,
-            guide: None,
+            guide,
         };
         let summary = render(&view, &mut film, &limits, &Silent);
         (film, summary)
@@ -226,21 +237,25 @@ impl Built {
 
     /// Mean of the image over all pixels and channels, with its standard error from the pixels' own variances.
     pub fn mean(&self, settings: &PathSettings, spp: u64) -> (f64, f64) {
-        let (film, _) = self.render(settings, spp);
-        let mut sum = 0.0;
-        let mut variance = 0.0;
-        let mut count = 0.0;
-        for y in 0..film.height() {
-            for x in 0..film.width() {
-                let (mean, var) = (film.pixel(x, y).mean(), film.pixel(x, y).variance_of_mean());
-                for c in 0..3 {
-                    sum += mean[c];
-                    variance += var[c];
-                    count += 1.0;
-                }
+        film_mean(&self.render(settings, spp).0)
+    }
+}
+
+/// Mean of a grey film over all pixels and channels, with its standard error from the pixels' own variances.
+pub fn film_mean(film: &Film) -> (f64, f64) {
+    let mut sum = 0.0;
+    let mut variance = 0.0;
+    let mut count = 0.0;
+    for y in 0..film.height() {
+        for x in 0..film.width() {
+            let (mean, var) = (film.pixel(x, y).mean(), film.pixel(x, y).variance_of_mean());
+            for c in 0..3 {
+                sum += mean[c];
+                variance += var[c];
+                count += 1.0;
             }
         }
-        // The three channels of a grey scene are the same number: their errors add up linearly.
-        (sum / count, (3.0 * variance).sqrt() / count)
     }
+    // The three channels of a grey scene are the same number: their errors add up linearly.
+    (sum / count, (3.0 * variance).sqrt() / count)
 }

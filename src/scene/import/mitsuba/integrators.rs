@@ -52,7 +52,7 @@ fn replaced(importer: &mut Importer, p: &Params, what: &str) {
     let rest = if lost.is_empty() {
         String::new()
     } else {
-        format!("; {} mean nothing to it", lost.join(", "))
+        format!("; ignored: {}", lost.join(", "))
     };
     let plugin = p.plugin();
     importer.warn(format!("{place}: integrator \"{plugin}\" {what}{rest}"));

@@ -1,0 +1,217 @@
+//! The film as an image file: the picture and its auxiliary layers in one multi-channel EXR.
+//!
+//! | channels | what | who reads them |
+//! |---|---|---|
+//! | `R G B` | the picture | everyone |
+//! | `albedo.R albedo.G albedo.B` | reflectance of the first surface | OIDN's tools, Blender, Nuke |
+//! | `normal.X normal.Y normal.Z` | its shading normal, world space | the same |
+//! | `depth.Z` | distance from the camera | Blender, Nuke |
+//! | `variance.R variance.G variance.B` | variance of the mean, from the spread of the samples | `compare` |
+//! | `samples.Y` | samples of the pixel | merging |
+//!
+//! The names are `layer.channel`, the convention by which Blender and Nuke group channels.
+
+use super::{Film, Pixel};
+use crate::image::{Attribute, Channel, Image, PixelType};
+
+/// Which layers to write beside the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Layers {
+    /// Reflectance of the first surface.
+    pub albedo: bool,
+    /// Shading normal of the first surface.
+    pub normal: bool,
+    /// Distance to the first surface.
+    pub depth: bool,
+    /// Variance of the picture.
+    pub variance: bool,
+    /// Samples taken.
+    pub samples: bool,
+}
+
+impl Layers {
+    /// The picture alone.
+    pub const NONE: Layers = Layers {
+        albedo: false,
+        normal: false,
+        depth: false,
+        variance: false,
+        samples: false,
+    };
+    /// Everything there is.
+    pub const ALL: Layers = Layers {
+        albedo: true,
+        normal: true,
+        depth: true,
+        variance: true,
+        samples: true,
+    };
+}
+
+/// What is written into the file beside the pixels.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Metadata {
+    /// The scene file.
+    pub scene: String,
+    /// The settings, as the command line would give them.
+    pub settings: String,
+    /// Samples a pixel.
+    pub spp: u64,
+    /// Seconds of rendering.
+    pub seconds: f64,
+}
+
+impl Metadata {
+    fn attributes(&self) -> Vec<Attribute> {
+        vec![
+            Attribute::text("Software", concat!("twintree ", env!("CARGO_PKG_VERSION"))),
+            Attribute::text("twintree:scene", &self.scene),
+            Attribute::text("twintree:settings", &self.settings),
+            Attribute::text("twintree:spp", self.spp.to_string()),
+            Attribute::float("twintree:seconds", self.seconds as f32),
+        ]
+    }
+}
+
+/// A group of channels: names, how to store them, and how to read them off a pixel.
+struct Layer {
+    names: &'static [&'static str],
+    stored: Option<PixelType>,
+    read: fn(&Pixel, &mut Vec<f32>),
+}
+
+const PICTURE: Layer = Layer {
+    names: &["R", "G", "B"],
+    stored: None,
+    read: |p, out| out.extend(p.mean().map(|x| x as f32)),
+};
+const ALBEDO: Layer = Layer {
+    names: &["albedo.R", "albedo.G", "albedo.B"],
+    stored: None,
+    read: |p, out| out.extend(p.albedo.map(|x| average(x, p.count))),
+};
+const NORMAL: Layer = Layer {
+    names: &["normal.X", "normal.Y", "normal.Z"],
+    stored: None,
+    read: |p, out| out.extend(p.normal.map(|x| average(x, p.count))),
+};
+const DEPTH: Layer = Layer {
+    names: &["depth.Z"],
+    stored: Some(PixelType::Float),
+    read: |p, out| out.push(average(p.depth, p.met)),
+};
+const VARIANCE: Layer = Layer {
+    names: &["variance.R", "variance.G", "variance.B"],
+    stored: Some(PixelType::Float),
+    read: |p, out| out.extend(p.variance_of_mean().map(|x| x as f32)),
+};
+const SAMPLES: Layer = Layer {
+    names: &["samples.Y"],
+    stored: Some(PixelType::Float),
+    read: |p, out| out.push(p.count as f32),
+};
+
+fn average(sum: f64, count: u64) -> f32 {
+    if count > 0 {
+        (sum / count as f64) as f32
+    } else {
+        0.0
+    }
+}
+
+impl Film {
+    /// The film as an image: the picture and the layers asked for.
+    pub fn image(&self, layers: Layers, metadata: &Metadata) -> Image {
+        let wanted = [
+            (true, PICTURE),
+            (layers.albedo, ALBEDO),
+            (layers.normal, NORMAL),
+            (layers.depth, DEPTH),
+            (layers.variance, VARIANCE),
+            (layers.samples, SAMPLES),
+        ];
+        let list: Vec<Layer> = wanted.into_iter().filter(|w| w.0).map(|w| w.1).collect();
+        let channels: Vec<Channel> = list
+            .iter()
+            .flat_map(|layer| {
+                let of = |name: &&str| Channel {
+                    pixel_type: layer.stored,
+                    ..Channel::new(*name)
+                };
+                layer.names.iter().map(of)
+            })
+            .collect();
+        let (width, height) = (self.width(), self.height());
+        let mut pixels = Vec::with_capacity(width as usize * height as usize * channels.len());
+        for y in 0..height {
+            for x in 0..width {
+                list.iter()
+                    .for_each(|layer| (layer.read)(self.pixel(x, y), &mut pixels));
+            }
+        }
+        Image {
+            width,
+            height,
+            channels,
+            pixels,
+            attributes: metadata.attributes(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::{FilmDescription, FilmKind, Sample, filter::Filter};
+    use crate::math::{Rgb, Vec3};
+
+    #[test]
+    fn layers_hold_what_the_samples_said() {
+        let mut film = Film::new(&FilmDescription {
+            width: 20,
+            height: 17,
+            crop: None,
+            filter: Filter::Box { radius: 0.5 },
+            kind: FilmKind::Hdr,
+            exposure: 0.0,
+        });
+        for tile in film.tiles_mut() {
+            for i in 0..tile.pixels.len() {
+                let x = (tile.x0 + i as u32 % tile.width) as f32;
+                let y = (tile.y0 + i as u32 / tile.width) as f32;
+                for (sample, radiance) in [(0, 1.0), (1, 3.0)] {
+                    let s = Sample {
+                        radiance: Rgb::new(x, y, radiance),
+                        weight: 1.0,
+                        albedo: Rgb::splat(0.25),
+                        normal: Vec3::Y,
+                        depth: 7.0,
+                    };
+                    tile.add(i, sample, &s);
+                }
+            }
+        }
+        let image = film.image(Layers::ALL, &Metadata::default());
+        assert_eq!(image.channels.len(), 14);
+        let pixel = image.pixel(18, 16);
+        let at = |name: &str| pixel[image.channel(name).expect(name)];
+        assert_eq!([at("R"), at("G"), at("B")], [18.0, 16.0, 2.0]);
+        // Two samples 1 and 3: variance 2, of the mean 1.
+        assert_eq!([at("variance.R"), at("variance.B")], [0.0, 1.0]);
+        assert_eq!(
+            [
+                at("albedo.G"),
+                at("normal.Y"),
+                at("depth.Z"),
+                at("samples.Y")
+            ],
+            [0.25, 1.0, 7.0, 2.0]
+        );
+        assert_eq!(
+            film.image(Layers::NONE, &Metadata::default())
+                .channels
+                .len(),
+            3
+        );
+    }
+}

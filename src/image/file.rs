@@ -1,0 +1,204 @@
+//! Image files opened for reading: what they promise, and their rows.
+
+#[cfg(feature = "oiio")]
+use super::oiio::input::Input;
+#[cfg(not(feature = "oiio"))]
+use super::openexr::Input;
+use super::{Attribute, Channel, Image, ImageError, PixelType};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// Size of an image or of one of its mip levels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Level {
+    /// Width in pixels, > 0.
+    pub width: u32,
+    /// Height in pixels, > 0.
+    pub height: u32,
+}
+
+/// What a file says about an image in it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Header {
+    /// Size.
+    pub level: Level,
+    /// Channels, at least one.
+    pub channels: Vec<Channel>,
+    /// The widest of the channels' types. Types that are none of ours are read as [`PixelType::Float`].
+    pub pixel_type: PixelType,
+    /// Height of its tiles; 0 for scan lines.
+    pub tile_height: u32,
+    /// Metadata.
+    pub attributes: Vec<Attribute>,
+    /// The format's name, such as `openexr` or `png`.
+    pub format: String,
+}
+
+/// Most bytes of pixels that one byte of a file can stand for. Deflate reaches 1032, and the densest
+/// codec here (DWA, on a black image) about 64 times that: a header that promises more is lying.
+const MOST_BYTES_FROM_ONE: u64 = 1 << 17;
+/// The largest image that is read, in bytes as `f32`.
+const MOST_BYTES: u64 = 1 << 36;
+
+impl Header {
+    /// Numbers in the whole image, once it is clear that a file of `file_bytes` can hold them.
+    fn numbers(&self, file_bytes: u64) -> Result<usize, String> {
+        let promised = u64::from(self.level.width)
+            .checked_mul(u64::from(self.level.height))
+            .and_then(|n| n.checked_mul(self.channels.len() as u64))
+            .and_then(|n| n.checked_mul(4));
+        match promised {
+            Some(bytes)
+                if bytes <= MOST_BYTES && bytes / MOST_BYTES_FROM_ONE <= file_bytes + 1024 =>
+            {
+                Ok((bytes / 4) as usize)
+            }
+            _ => Err(format!(
+                "its header promises {} x {} pixels of {} channels, more than {} bytes can hold",
+                self.level.width,
+                self.level.height,
+                self.channels.len(),
+                file_bytes
+            )),
+        }
+    }
+}
+
+/// An image file, open for reading.
+#[derive(Debug)]
+pub struct ImageFile {
+    path: PathBuf,
+    input: Input,
+    header: Header,
+}
+
+impl ImageFile {
+    /// Opens a file at its first part.
+    pub fn open(path: &Path) -> Result<Self, ImageError> {
+        let error = |reason: String| ImageError::new(path, reason);
+        let meta = std::fs::metadata(path)
+            .map_err(|e| error(format!("the image cannot be opened: {e}")))?;
+        if !meta.is_file() {
+            return Err(error("is not a file".into()));
+        }
+        let unreadable = |why| error(format!("the image cannot be read: {why}"));
+        let input = Input::open(path).map_err(unreadable)?;
+        let header = input.header().map_err(unreadable)?;
+        header.numbers(meta.len()).map_err(unreadable)?;
+        Ok(Self {
+            path: path.to_owned(),
+            input,
+            header,
+        })
+    }
+
+    /// What the file says about its current part.
+    pub fn header(&self) -> &Header {
+        &self.header
+    }
+
+    /// Goes to a part (and mip level) of the file; false if there is none.
+    pub fn seek(&mut self, part: u32, level: u32) -> Result<bool, ImageError> {
+        let found = self
+            .input
+            .seek(part, level)
+            .and_then(|found| {
+                if found {
+                    self.header = self.input.header()?;
+                    let size = std::fs::metadata(&self.path).map_or(0, |m| m.len());
+                    self.header.numbers(size)?;
+                }
+                Ok(found)
+            })
+            .map_err(|e| ImageError::new(&self.path, format!("cannot be read: {e}")))?;
+        Ok(found)
+    }
+
+    /// Reads rows (0 is the top) of some channels, interleaved, as `T`, which must be the Rust type of
+    /// `pixel_type`. In a tiled file the range begins at a multiple of [`Header::tile_height`] and
+    /// ends at one or at the last row.
+    pub fn rows<T: bytemuck::Pod>(
+        &mut self,
+        rows: Range<u32>,
+        channels: Range<usize>,
+        pixel_type: PixelType,
+        data: &mut [T],
+    ) -> Result<(), ImageError> {
+        self.input
+            .rows(rows, channels, pixel_type, bytemuck::cast_slice_mut(data))
+            .map_err(|e| ImageError::new(&self.path, format!("the image cannot be read: {e}")))
+    }
+
+    /// Height of the strips to read the image in: about `numbers` numbers each, cut where tiles are.
+    pub fn strip_height(&self, numbers: usize) -> u32 {
+        let row = self.header.level.width as usize * self.header.channels.len();
+        let rows = (numbers / row.max(1)).clamp(1, 1 << 20) as u32;
+        match self.header.tile_height {
+            0 => rows,
+            tile => rows.div_ceil(tile) * tile,
+        }
+    }
+
+    /// The current part, numbers as stored in `f32`; integers become 0 to 1.
+    fn image(&mut self) -> Result<Image, ImageError> {
+        let Header {
+            level, channels, ..
+        } = self.header.clone();
+        let n = channels.len();
+        let file_bytes = std::fs::metadata(&self.path).map_or(0, |m| m.len());
+        let numbers = self
+            .header
+            .numbers(file_bytes)
+            .map_err(|e| ImageError::new(&self.path, e))?;
+        // Zeroed memory is not real memory until it is written: a file that is cut short costs little.
+        let mut pixels = vec![0.0f32; numbers];
+        let row = level.width as usize * n;
+        let strip = self.strip_height(1 << 22);
+        for y0 in (0..level.height).step_by(strip as usize) {
+            let y1 = (y0 + strip).min(level.height);
+            let part = &mut pixels[y0 as usize * row..y1 as usize * row];
+            self.rows(y0..y1, 0..n, PixelType::Float, part)?;
+        }
+        Ok(Image {
+            width: level.width,
+            height: level.height,
+            channels,
+            pixels,
+            attributes: self.header.attributes.clone(),
+        })
+    }
+}
+
+/// Reads the first part of an image file: all its channels as stored, converted to `f32`.
+///
+/// Integers become 0 to 1 and keep their curve: an 8-bit sRGB picture is *not* made linear here
+/// (see [`read_linear`]). Alpha is not multiplied in.
+pub fn read(path: &Path) -> Result<Image, ImageError> {
+    ImageFile::open(path)?.image()
+}
+
+/// Like [`read`], but the colours of 8- and 16-bit pictures are made linear by the sRGB curve.
+pub fn read_linear(path: &Path) -> Result<Image, ImageError> {
+    let mut file = ImageFile::open(path)?;
+    let mut image = file.image()?;
+    if matches!(file.header().pixel_type, PixelType::U8 | PixelType::U16) {
+        let n = image.channels.len();
+        let color: Vec<bool> = image.channels.iter().map(|c| c.name != "A").collect();
+        for pixel in image.pixels.chunks_exact_mut(n) {
+            for (value, _) in pixel.iter_mut().zip(&color).filter(|(_, c)| **c) {
+                *value = super::curve::srgb_to_linear(*value);
+            }
+        }
+    }
+    Ok(image)
+}
+
+/// Reads all parts of an image file as [`read`] reads the first.
+pub fn read_parts(path: &Path) -> Result<Vec<Image>, ImageError> {
+    let mut file = ImageFile::open(path)?;
+    let mut parts = vec![file.image()?];
+    while file.seek(parts.len() as u32, 0)? {
+        parts.push(file.image()?);
+    }
+    Ok(parts)
+}

@@ -1,0 +1,163 @@
+//! Reading through OpenImageIO's `ImageInput`.
+
+use super::{Reason, c_path, copied, ffi, type_number};
+use crate::image::file::{Header, Level};
+use crate::image::{Attribute, AttributeValue, Channel, PixelType};
+use std::path::Path;
+use std::ptr::{self, NonNull};
+
+/// An open image file.
+#[derive(Debug)]
+pub struct Input(NonNull<ffi::Input>);
+
+// SAFETY: an ImageInput may be used by any thread, one at a time (`&mut self`, or reads of its spec).
+unsafe impl Send for Input {}
+
+impl Drop for Input {
+    fn drop(&mut self) {
+        // SAFETY: made by twt_input_open and closed once.
+        unsafe { ffi::twt_input_close(self.0.as_ptr()) }
+    }
+}
+
+impl Input {
+    /// Opens a file. The error is the reason alone.
+    pub fn open(path: &Path) -> Result<Self, String> {
+        let name = c_path(path)?;
+        let (mut input, mut reason) = (ptr::null_mut(), Reason::new());
+        // SAFETY: `name` is zero-terminated, `input` and `reason` outlive the call.
+        let bad = unsafe {
+            ffi::twt_input_open(name.as_ptr(), &mut input, reason.pointer(), reason.len())
+        };
+        match NonNull::new(input) {
+            Some(p) if bad == 0 => Ok(Self(p)),
+            _ => Err(reason.text()),
+        }
+    }
+
+    /// Goes to a part and mip level; false if there is none.
+    pub fn seek(&mut self, part: u32, level: u32) -> Result<bool, String> {
+        let mut reason = Reason::new();
+        let (part, level) = (part.min(1 << 20) as i32, level.min(64) as i32);
+        // SAFETY: the input is open, `reason` outlives the call.
+        let bad = unsafe {
+            ffi::twt_input_seek(self.0.as_ptr(), part, level, reason.pointer(), reason.len())
+        };
+        match (bad, reason.text()) {
+            (0, _) => Ok(true),
+            (_, why) if why.is_empty() => Ok(false),
+            (_, why) => Err(why),
+        }
+    }
+
+    fn info(&self) -> Result<ffi::Info, String> {
+        let mut info = ffi::Info {
+            width: 0,
+            height: 0,
+            channels: 0,
+            type_: 0,
+            tile_height: 0,
+            attributes: 0,
+            format: ptr::null(),
+        };
+        // SAFETY: the input is open, `info` outlives the call.
+        if unsafe { ffi::twt_input_info(self.0.as_ptr(), &mut info) } != 0 {
+            return Err("deep and volume images cannot be used".into());
+        }
+        if info.width <= 0 || info.height <= 0 || info.channels <= 0 {
+            return Err(format!(
+                "the header promises {} x {} pixels of {} channels",
+                info.width, info.height, info.channels
+            ));
+        }
+        Ok(info)
+    }
+
+    /// Size, channels and attributes of the current part.
+    pub fn header(&self) -> Result<Header, String> {
+        let info = self.info()?;
+        let pixel_type = match info.type_ {
+            0 => PixelType::U8,
+            1 => PixelType::U16,
+            2 => PixelType::Half,
+            _ => PixelType::Float,
+        };
+        let channels = (0..info.channels)
+            // SAFETY: the input is open; the string is copied at once.
+            .map(|c| {
+                Channel::new(copied(unsafe {
+                    ffi::twt_input_channel(self.0.as_ptr(), c)
+                }))
+            })
+            .collect();
+        Ok(Header {
+            level: Level {
+                width: info.width as u32,
+                height: info.height as u32,
+            },
+            channels,
+            pixel_type,
+            tile_height: info.tile_height.max(0) as u32,
+            attributes: (0..info.attributes)
+                .filter_map(|i| self.attribute(i))
+                .collect(),
+            format: copied(info.format),
+        })
+    }
+
+    fn attribute(&self, index: i32) -> Option<Attribute> {
+        let mut a = ffi::Attribute {
+            name: ptr::null(),
+            kind: 0,
+            integer: 0,
+            real: 0.0,
+            text: ptr::null(),
+        };
+        // SAFETY: the input is open, `a` outlives the call.
+        if unsafe { ffi::twt_input_attribute(self.0.as_ptr(), index, &mut a) } != 0 {
+            return None;
+        }
+        let value = match a.kind {
+            ffi::TEXT => AttributeValue::Text(copied(a.text)),
+            ffi::INT => AttributeValue::Int(a.integer),
+            ffi::REAL => AttributeValue::Float(a.real),
+            _ => return None,
+        };
+        Some(Attribute {
+            name: copied(a.name),
+            value,
+        })
+    }
+
+    /// Reads rows `y0..y1` of channels `c0..c1` as `pixel_type` into `data`, whose size must fit (the
+    /// shim checks).
+    pub fn rows(
+        &mut self,
+        rows: std::ops::Range<u32>,
+        channels: std::ops::Range<usize>,
+        pixel_type: PixelType,
+        data: &mut [u8],
+    ) -> Result<(), String> {
+        let mut reason = Reason::new();
+        let int = |n: usize| i32::try_from(n).map_err(|_| "out of range".to_string());
+        // SAFETY: the input is open; the shim writes `data.len()` bytes or none.
+        let bad = unsafe {
+            ffi::twt_input_rows(
+                self.0.as_ptr(),
+                int(rows.start as usize)?,
+                int(rows.end as usize)?,
+                int(channels.start)?,
+                int(channels.end)?,
+                type_number(pixel_type),
+                data.as_mut_ptr().cast(),
+                data.len(),
+                reason.pointer(),
+                reason.len(),
+            )
+        };
+        if bad != 0 {
+            return Err(reason.text());
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,264 @@
+//! Writing images, whole or not at all.
+
+use super::curve::linear_to_srgb;
+use super::{Attribute, Channel, Image, ImageError, PixelType, atomic, color_channels};
+use std::path::Path;
+
+/// How the pixels of a file are packed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Compression {
+    /// What suits the format: ZIP for EXR and TIFF, quality 92 for JPEG.
+    #[default]
+    Default,
+    /// Not at all, where the format can.
+    None,
+    /// Deflate, lossless (EXR, TIFF).
+    Zip,
+    /// Wavelets, lossless, good on noisy half floats (EXR).
+    Piz,
+    /// Cosine transform, lossy, for previews (EXR).
+    Dwaa,
+    /// JPEG with this quality, 1 to 100.
+    Quality(u8),
+}
+
+/// A file format, from the name of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// OpenEXR: floats, any channels, tiles, parts.
+    Exr,
+    /// TIFF: any type, any channels.
+    Tiff,
+    /// Radiance RGBE: three channels with a shared exponent.
+    Hdr,
+    /// PNG, 8 or 16 bits with the sRGB curve.
+    Png,
+    /// JPEG, 8 bits with the sRGB curve.
+    Jpeg,
+}
+
+impl Format {
+    /// The format that a file's name asks for.
+    pub fn of(path: &Path) -> Result<Self, ImageError> {
+        let extension = path
+            .extension()
+            .map(|e| e.to_string_lossy().to_ascii_lowercase());
+        match extension.as_deref() {
+            Some("exr") => Ok(Self::Exr),
+            Some("tif" | "tiff") => Ok(Self::Tiff),
+            Some("hdr" | "rgbe" | "pic") => Ok(Self::Hdr),
+            Some("png") => Ok(Self::Png),
+            Some("jpg" | "jpeg") => Ok(Self::Jpeg),
+            _ => Err(ImageError::new(
+                path,
+                "the name does not say which format to write: \
+                 it should end in .exr, .hdr, .tif, .png or .jpg",
+            )),
+        }
+    }
+
+    /// Whether values are shown as they are: exposure, the sRGB curve and a limit at 1 apply.
+    pub fn is_display(self) -> bool {
+        matches!(self, Self::Png | Self::Jpeg)
+    }
+
+    #[cfg(feature = "oiio")]
+    fn name(self) -> &'static str {
+        match self {
+            Self::Exr => "openexr",
+            Self::Tiff => "tiff",
+            Self::Hdr => "hdr",
+            Self::Png => "png",
+            Self::Jpeg => "jpeg",
+        }
+    }
+}
+
+/// How to write.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct WriteOptions {
+    /// How numbers are stored; `None` takes what suits the format (EXR half, TIFF float, PNG 8 bits).
+    /// Formats without the type take their own.
+    pub pixel_type: Option<PixelType>,
+    /// How pixels are packed.
+    pub compression: Compression,
+    /// Tiles of 64 x 64 instead of scan lines, where the format can.
+    pub tiled: bool,
+    /// PNG and JPEG show the picture times 2 to this power.
+    pub exposure: f32,
+}
+
+/// Writes an image. The format follows from the name: EXR, HDR and TIFF keep linear numbers, PNG and
+/// JPEG get exposure and the sRGB curve. Formats with few channels get the colours (`R`, `G`, `B`, for
+/// PNG also `A`, or the first channels).
+///
+/// The file appears whole under its name, or the old one stays and the error says why.
+pub fn write(path: &Path, image: &Image, options: &WriteOptions) -> Result<(), ImageError> {
+    write_parts(path, &[(image, "")], options)
+}
+
+/// Writes several images into one EXR or TIFF file as named parts.
+pub fn write_parts(
+    path: &Path,
+    parts: &[(&Image, &str)],
+    options: &WriteOptions,
+) -> Result<(), ImageError> {
+    let format = Format::of(path)?;
+    let prepared: Vec<Image> = parts
+        .iter()
+        .map(|(image, name)| prepare(image, name, format, options))
+        .collect();
+    for (image, (original, _)) in prepared.iter().zip(parts) {
+        let expected = image.width as usize * image.height as usize * original.channels.len();
+        if expected == 0 || expected != original.pixels.len() {
+            return Err(ImageError::new(
+                path,
+                format!(
+                    "{} numbers do not make {} x {} pixels of {} channels",
+                    original.pixels.len(),
+                    image.width,
+                    image.height,
+                    original.channels.len()
+                ),
+            ));
+        }
+    }
+    atomic::replace(path, |file| encode(file, format, &prepared, options))
+}
+
+/// How each channel of `image` is stored.
+fn types(image: &Image, format: Format, options: &WriteOptions) -> Vec<PixelType> {
+    let asked = options.pixel_type;
+    let whole = match (format, asked) {
+        (Format::Jpeg, _) => PixelType::U8,
+        (Format::Png, Some(PixelType::U16)) => PixelType::U16,
+        (Format::Png, _) => PixelType::U8,
+        (Format::Hdr, _) => PixelType::Float,
+        (Format::Exr, Some(PixelType::Float)) => PixelType::Float,
+        (Format::Exr, _) => PixelType::Half,
+        (Format::Tiff, asked) => asked.unwrap_or_default(),
+    };
+    image
+        .channels
+        .iter()
+        .map(|c| match (format, c.pixel_type) {
+            (Format::Exr, Some(t @ (PixelType::Half | PixelType::Float))) => t,
+            _ => whole,
+        })
+        .collect()
+}
+
+/// The channels that the format takes, with its curve.
+fn prepare(image: &Image, name: &str, format: Format, options: &WriteOptions) -> Image {
+    let mut attributes = image.attributes.clone();
+    if !name.is_empty() {
+        attributes.push(Attribute::text("oiio:subimagename", name));
+    }
+    let keep = kept_channels(image, format);
+    let n = image.channels.len();
+    let gain = options.exposure.exp2();
+    let half_limit = f32::from(half::f16::MAX);
+    let chosen = |c: &usize| image.channels[*c].clone();
+    let mut out = Image {
+        width: image.width,
+        height: image.height,
+        channels: keep.iter().map(chosen).collect(),
+        pixels: Vec::new(),
+        attributes,
+    };
+    let stored = types(&out, format, options);
+    // Non-finite numbers are left alone: hiding them would hide a bug. Finite ones stay finite.
+    let convert = |channel: &Channel, stored: PixelType, x: f32| match (format.is_display(), stored)
+    {
+        (true, _) if channel.name == "A" => x,
+        (true, _) => linear_to_srgb(x * gain).clamp(0.0, 1.0),
+        (false, PixelType::Half) if x.is_finite() => x.clamp(-half_limit, half_limit),
+        _ => x,
+    };
+    out.pixels = image
+        .pixels
+        .chunks_exact(n.max(1))
+        .flat_map(|p| keep.iter().enumerate().map(|(i, &c)| (i, p[c])))
+        .map(|(i, x)| convert(&out.channels[i], stored[i], x))
+        .collect();
+    out
+}
+
+/// Which channels a format takes.
+fn kept_channels(image: &Image, format: Format) -> Vec<usize> {
+    let names = image.channel_names();
+    let n = names.len();
+    match format {
+        Format::Exr | Format::Tiff => (0..n).collect(),
+        Format::Png | Format::Jpeg if n < 3 && format != Format::Hdr => (0..n.min(1)).collect(),
+        Format::Hdr | Format::Png | Format::Jpeg => {
+            let mut keep = if n == 0 {
+                Vec::new()
+            } else {
+                color_channels(&names).to_vec()
+            };
+            keep.extend(image.channel("A").filter(|_| format == Format::Png));
+            keep
+        }
+    }
+}
+
+#[cfg(feature = "oiio")]
+fn encode(
+    file: &Path,
+    format: Format,
+    images: &[Image],
+    options: &WriteOptions,
+) -> Result<(), String> {
+    use super::oiio::output::{Part, write};
+    let compression = match (options.compression, format) {
+        (Compression::Quality(q), _) => format!("jpeg:{}", q.clamp(1, 100)),
+        (_, Format::Jpeg) => "jpeg:92".into(),
+        (Compression::None, _) => "none".into(),
+        (Compression::Piz, Format::Exr) => "piz".into(),
+        (Compression::Dwaa, Format::Exr) => "dwaa".into(),
+        _ => "zip".into(),
+    };
+    let tile = match (options.tiled, format) {
+        (true, Format::Exr | Format::Tiff) => 64,
+        _ => 0,
+    };
+    let space = if format.is_display() {
+        "sRGB"
+    } else {
+        "Linear"
+    };
+    let parts: Vec<Part> = images
+        .iter()
+        .map(|image| {
+            let mut attributes = image.attributes.clone();
+            attributes.push(Attribute::text("compression", compression.clone()));
+            attributes.push(Attribute::text("oiio:ColorSpace", space));
+            attributes.push(Attribute::int("oiio:UnassociatedAlpha", 1));
+            Part {
+                image,
+                types: types(image, format, options),
+                tile,
+                attributes,
+            }
+        })
+        .collect();
+    write(file, format.name(), &parts)
+}
+
+#[cfg(not(feature = "oiio"))]
+fn encode(
+    file: &Path,
+    format: Format,
+    images: &[Image],
+    options: &WriteOptions,
+) -> Result<(), String> {
+    if format != Format::Exr {
+        return Err("this build writes EXR only: it was made without the feature `oiio`".into());
+    }
+    let parts: Vec<_> = images
+        .iter()
+        .map(|i| (i, types(i, format, options)))
+        .collect();
+    super::openexr::write(file, &parts, options)
+}

@@ -1,0 +1,243 @@
+//! Image textures.
+//!
+//! An image is looked up in one of two ways, and both give the same numbers at the finest level:
+//! *resident* texels, linear after one table look-up and a few nanoseconds away, while they fit into
+//! the store's budget; and OpenImageIO's tile cache, a hundred times slower but bounded, for the rest.
+//! Values are made linear before they are interpolated.
+//!
+//! Row 0 of an image lies at v = 0, as in Mitsuba 3 and glTF: loaders of formats whose v points up
+//! (OBJ) turn v around when they read the mesh.
+
+#[cfg(feature = "oiio")]
+use super::cached::Cached;
+use super::place::{level, nearest, neighbours};
+use super::pyramid::{Pyramid, Texel};
+use super::{BitmapSettings, Filter, SurfacePoint};
+use crate::image::file::Level;
+use crate::math::{Rgb, Vec2, luminance};
+use half::f16;
+use std::sync::Arc;
+
+/// Where texels come from.
+#[derive(Debug)]
+pub(super) enum Source {
+    /// 8-bit colours.
+    Rgb8(Pyramid<u8, 3>),
+    /// 8-bit grey.
+    Grey8(Pyramid<u8, 1>),
+    /// Half float colours.
+    RgbHalf(Pyramid<f16, 3>),
+    /// Half float grey.
+    GreyHalf(Pyramid<f16, 1>),
+    /// Float colours.
+    RgbFloat(Pyramid<f32, 3>),
+    /// Float grey.
+    GreyFloat(Pyramid<f32, 1>),
+    /// OpenImageIO's cache.
+    #[cfg(feature = "oiio")]
+    Cached(Cached),
+}
+
+/// The texels of a file, made linear: what textures with different placements share.
+#[derive(Debug)]
+pub(super) struct Texels {
+    pub source: Source,
+    pub size: Level,
+    pub levels: usize,
+    pub grey: bool,
+    pub mean: Rgb,
+    pub bad: u64,
+    pub bytes: usize,
+}
+
+/// An image texture, opened.
+#[derive(Debug)]
+pub struct Bitmap {
+    texels: Arc<Texels>,
+    settings: BitmapSettings,
+    /// Squared lengths, in texels, of a step of 1 in u and in v.
+    texels_per_uv: Vec2,
+}
+
+impl Bitmap {
+    pub(super) fn new(texels: Arc<Texels>, settings: BitmapSettings) -> Self {
+        let size = Vec2::new(texels.size.width as f32, texels.size.height as f32);
+        let m = settings.to_uv.0.matrix2;
+        Self {
+            texels_per_uv: Vec2::new(
+                (m.x_axis * size).length_squared(),
+                (m.y_axis * size).length_squared(),
+            ),
+            texels,
+            settings,
+        }
+    }
+
+    /// What was asked for.
+    pub fn settings(&self) -> &BitmapSettings {
+        &self.settings
+    }
+
+    /// Width in texels.
+    pub fn width(&self) -> u32 {
+        self.texels.size.width
+    }
+
+    /// Height in texels.
+    pub fn height(&self) -> u32 {
+        self.texels.size.height
+    }
+
+    /// Whether there is one value a texel and not three.
+    pub fn is_grey(&self) -> bool {
+        self.texels.grey
+    }
+
+    /// Whether the texels are in memory, all of them.
+    pub fn is_resident(&self) -> bool {
+        self.texels.bytes > 0
+    }
+
+    /// Texels of the file that were not numbers, infinite, or negative colours, and count as 0.
+    /// Zero for files that were not read whole.
+    pub fn bad_texels(&self) -> u64 {
+        self.texels.bad
+    }
+
+    /// The linear value of a texel of the finest level; row 0 is the file's first and lies at v = 0.
+    /// Coordinates beyond the image are those of its edge.
+    pub fn texel(&self, x: u32, y: u32) -> Rgb {
+        let (x, y) = (x.min(self.width() - 1), y.min(self.height() - 1));
+        self.fetch(0, [x; 2], [y; 2], 0.0, 0.0)
+    }
+
+    /// Mean of all texels.
+    pub fn mean(&self) -> Rgb {
+        self.texels.mean
+    }
+
+    /// The value at a point of a surface.
+    #[inline]
+    pub fn eval(&self, point: &SurfacePoint) -> Rgb {
+        let level = if point.footprint > 0.0 {
+            self.level_at(point)
+        } else {
+            0
+        };
+        self.eval_uv(point.uv, level)
+    }
+
+    /// The value at texture coordinates (before [`BitmapSettings::to_uv`]) on a mip level, 0 being the
+    /// finest; levels that do not exist are the coarsest.
+    #[inline]
+    pub fn eval_uv(&self, uv: Vec2, level: usize) -> Rgb {
+        let s = &self.settings;
+        let uv = s.to_uv.0.transform_point2(uv);
+        let level = level.min(self.texels.levels - 1);
+        let size = self.level_size(level);
+        match s.filter {
+            Filter::Nearest => {
+                let x = nearest(uv.x, size.width, s.wrap_u);
+                let y = nearest(uv.y, size.height, s.wrap_v);
+                self.fetch(level, [x; 2], [y; 2], 0.0, 0.0)
+            }
+            Filter::Linear => {
+                let (x, wx) = neighbours(uv.x, size.width, s.wrap_u);
+                let (y, wy) = neighbours(uv.y, size.height, s.wrap_v);
+                self.fetch(level, x, y, wx, wy)
+            }
+        }
+    }
+
+    /// Number of mip levels.
+    pub fn level_count(&self) -> usize {
+        self.texels.levels
+    }
+
+    /// The mip level for a point's footprint. The width of a pixel's cone is laid along u and along v;
+    /// the smaller extent counts.
+    #[inline]
+    pub fn level_at(&self, point: &SurfacePoint) -> usize {
+        if self.settings.filter == Filter::Nearest {
+            return 0;
+        }
+        let squared = (self.texels_per_uv.x / point.dp_du.length_squared())
+            .min(self.texels_per_uv.y / point.dp_dv.length_squared());
+        level(
+            squared * point.footprint * point.footprint,
+            self.texels.levels,
+        )
+    }
+
+    #[inline(always)]
+    fn level_size(&self, level: usize) -> Level {
+        match &self.texels.source {
+            Source::Rgb8(p) => p.size(level),
+            Source::Grey8(p) => p.size(level),
+            Source::RgbHalf(p) => p.size(level),
+            Source::GreyHalf(p) => p.size(level),
+            Source::RgbFloat(p) => p.size(level),
+            Source::GreyFloat(p) => p.size(level),
+            #[cfg(feature = "oiio")]
+            Source::Cached(c) => c.size(level),
+        }
+    }
+
+    /// The bilinear mix of four texels.
+    #[inline(always)]
+    fn fetch(&self, level: usize, x: [u32; 2], y: [u32; 2], wx: f32, wy: f32) -> Rgb {
+        match &self.texels.source {
+            Source::Rgb8(p) => color(p, level, x, y, wx, wy),
+            Source::Grey8(p) => grey(p, level, x, y, wx, wy),
+            Source::RgbHalf(p) => color(p, level, x, y, wx, wy),
+            Source::GreyHalf(p) => grey(p, level, x, y, wx, wy),
+            Source::RgbFloat(p) => color(p, level, x, y, wx, wy),
+            Source::GreyFloat(p) => grey(p, level, x, y, wx, wy),
+            #[cfg(feature = "oiio")]
+            Source::Cached(c) => mix(c.quad(level, x, y).map(Rgb::from), wx, wy),
+        }
+    }
+
+    /// The value at a point as one number.
+    #[inline]
+    pub fn eval_scalar(&self, point: &SurfacePoint) -> f32 {
+        let value = self.eval(point);
+        if self.texels.grey {
+            value.x
+        } else {
+            luminance(value)
+        }
+    }
+}
+
+#[inline(always)]
+fn mix<V>(q: [V; 4], wx: f32, wy: f32) -> V
+where
+    V: Copy + std::ops::Add<Output = V> + std::ops::Mul<f32, Output = V>,
+{
+    (q[0] * (1.0 - wx) + q[1] * wx) * (1.0 - wy) + (q[2] * (1.0 - wx) + q[3] * wx) * wy
+}
+
+#[inline(always)]
+fn color<T: Texel>(
+    p: &Pyramid<T, 3>,
+    level: usize,
+    x: [u32; 2],
+    y: [u32; 2],
+    wx: f32,
+    wy: f32,
+) -> Rgb {
+    mix(p.quad(level, x, y).map(Rgb::from), wx, wy)
+}
+
+#[inline(always)]
+fn grey<T: Texel>(
+    p: &Pyramid<T, 1>,
+    level: usize,
+    x: [u32; 2],
+    y: [u32; 2],
+    wx: f32,
+    wy: f32,
+) -> Rgb {
+    Rgb::splat(mix(p.quad(level, x, y).map(|[v]| v), wx, wy))
+}
