@@ -2,9 +2,9 @@
 
 use super::Failure;
 use super::args::{Aov, FileArgs, NumberFormat, Packing};
-use crate::film::layers::Layers;
-use crate::film::{Film, FilmDescription};
-use crate::image::{self, Attribute, Compression, Format, Image, PixelType, WriteOptions, atomic};
+use crate::film::Film;
+use crate::film::layers::{Layers, Metadata};
+use crate::image::{self, Compression, Format, PixelType, WriteOptions, atomic};
 use std::path::{Path, PathBuf};
 
 /// What will be written.
@@ -45,20 +45,18 @@ impl Outputs {
             .map_or_else(String::new, |p| p.display().to_string())
     }
 
-    /// Writes all images, and tries the others where one fails.
+    /// Writes all images, and goes on with the others where one fails.
     ///
     /// # Errors
     /// Everything that failed.
     pub fn write_images(
         &self,
         film: &Film,
-        description: &FilmDescription,
         args: &FileArgs,
-        attributes: &[Attribute],
+        exposure: f32,
+        metadata: &Metadata,
     ) -> Result<(), Failure> {
-        let layers = layers_of(&args.aov);
-        let mut picture: Image = film.image(&layers, description);
-        picture.attributes.extend_from_slice(attributes);
+        let picture = film.image(layers_of(&args.aov), metadata);
         let options = WriteOptions {
             pixel_type: None,
             compression: match args.compression {
@@ -68,7 +66,7 @@ impl Outputs {
                 Packing::Dwaa => Compression::Dwaa,
             },
             tiled: args.tiled,
-            exposure: description.exposure,
+            exposure,
         };
         let mut failures = Vec::new();
         for path in &self.images {

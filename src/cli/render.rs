@@ -12,7 +12,7 @@ use super::{Failure, memory, overrides, threads};
 use crate::accel::{Backend, BuildSettings};
 use crate::camera::Camera;
 use crate::film::Film;
-use crate::image::Attribute;
+use crate::film::layers::Metadata;
 use crate::integrate::render::{StoppedBy, Summary, View, render};
 use crate::report::scene::triangles;
 use crate::report::stats::Stats;
@@ -67,8 +67,8 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
         return Err(Failure::Interrupted);
     }
     let written = timed(&mut times.write, || {
-        let attributes = attributes(args, &stats);
-        outputs.write_images(&film, &loaded.description.film, &args.files, &attributes)
+        let exposure = loaded.description.film.exposure;
+        outputs.write_images(&film, &args.files, exposure, &metadata(args, &stats))
     });
     stats.write_seconds = times.write;
     stats.peak_memory_bytes = memory::peak_bytes();
@@ -193,14 +193,14 @@ fn warn_of_invalid_samples(film: &Film) {
     );
 }
 
-/// What a file says about how it was made. Nothing that differs from run to run (times, threads), so
-/// that the same picture is the same file; without a date of ours OpenImageIO would write the clock's.
-fn attributes(args: &RenderArgs, stats: &Stats) -> Vec<Attribute> {
-    vec![
-        Attribute::text("Software", format!("twintree {}", stats.version)),
-        Attribute::text("DateTime", ""),
-        Attribute::text("twintree:scene", args.scene.scene.display().to_string()),
-        Attribute::text("twintree:seed", stats.seed.to_string()),
-        Attribute::text("twintree:spp", stats.spp.to_string()),
-    ]
+/// What a file says about how it was made.
+fn metadata(args: &RenderArgs, stats: &Stats) -> Metadata {
+    let words = std::env::args_os().skip(1);
+    let words: Vec<_> = words.map(|w| w.to_string_lossy().into_owned()).collect();
+    Metadata {
+        scene: args.scene.scene.display().to_string(),
+        settings: words.join(" "),
+        spp: stats.spp,
+        seconds: stats.render_seconds,
+    }
 }

@@ -164,3 +164,20 @@ pub fn read_exr(path: &Path) -> (usize, Vec<[f32; 3]>) {
     .unwrap_or_else(|e| panic!("{}: {e}", path.display()));
     image.layer_data.channel_data.pixels
 }
+
+/// The numbers of every channel of an EXR, by name.
+pub fn read_channels(path: &Path) -> Vec<(String, Vec<u32>)> {
+    let image = exr::prelude::read_all_flat_layers_from_file(path);
+    let image = image.unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    let layers = image.layer_data.into_iter();
+    let channels = layers.flat_map(|layer| layer.channel_data.list);
+    channels
+        .map(|channel| {
+            let numbers = channel.sample_data.values_as_f32();
+            (
+                channel.name.to_string(),
+                numbers.map(f32::to_bits).collect(),
+            )
+        })
+        .collect()
+}
