@@ -23,7 +23,7 @@ mod openexr;
 mod tests;
 mod write;
 
-pub use file::read;
+pub use file::{read, read_linear};
 pub use write::{Compression, Format, WriteOptions, write};
 
 use std::path::Path;

@@ -94,20 +94,128 @@ impl Cluster {
     }
 }
 
+/// Clusters side by side.
+pub(super) const WIDTH: usize = 8;
+
+/// Eight clusters, each property an array, so that one instruction works on several of them.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(32))]
+pub(super) struct Lanes {
+    center: [[f32; WIDTH]; 3],
+    radius: [f32; WIDTH],
+    axis: [[f32; WIDTH]; 3],
+    cos_spread: [f32; WIDTH],
+    sin_spread: [f32; WIDTH],
+    strength: [f32; WIDTH],
+}
+
+impl Lanes {
+    /// Nothing shines.
+    pub const EMPTY: Self = Self {
+        center: [[0.0; WIDTH]; 3],
+        radius: [0.0; WIDTH],
+        axis: [[0.0; WIDTH]; 3],
+        cos_spread: [0.0; WIDTH],
+        sin_spread: [0.0; WIDTH],
+        strength: [0.0; WIDTH],
+    };
+
+    /// Puts a cluster into a place.
+    pub fn set(&mut self, place: usize, c: &Cluster) {
+        for axis in 0..3 {
+            self.center[axis][place] = c.center[axis];
+            self.axis[axis][place] = c.axis[axis];
+        }
+        self.radius[place] = c.radius;
+        self.cos_spread[place] = c.cos_spread;
+        self.sin_spread[place] = sine(c.cos_spread);
+        self.strength[place] = c.strength;
+    }
+
+    /// [`Cluster::importance`] of each; 0 in empty places.
+    #[inline]
+    pub fn importance(&self, p: Vec3, n: Vec3) -> [f32; WIDTH] {
+        if n == Vec3::ZERO {
+            self.evaluate::<false>(p, n)
+        } else {
+            self.evaluate::<true>(p, n)
+        }
+    }
+
+    /// Without a branch, and in short loops over the lanes, each of which becomes vector instructions:
+    /// what does not apply is computed and not taken.
+    #[inline]
+    fn evaluate<const FACING: bool>(&self, p: Vec3, n: Vec3) -> [f32; WIDTH] {
+        let (mut d2, mut inv) = ([0.0; WIDTH], [0.0; WIDTH]);
+        let (mut cos_axis, mut cos_in) = ([0.0; WIDTH], [0.0; WIDTH]);
+        for i in 0..WIDTH {
+            let x = self.center[0][i] - p.x;
+            let y = self.center[1][i] - p.y;
+            let z = self.center[2][i] - p.z;
+            d2[i] = x * x + y * y + z * z;
+            inv[i] = 1.0 / at_least(d2[i], CLOSEST).sqrt();
+            let (a, b, c) = (self.axis[0][i], self.axis[1][i], self.axis[2][i]);
+            cos_axis[i] = -(x * a + y * b + z * c) * inv[i];
+            cos_in[i] = (x * n.x + y * n.y + z * n.z) * inv[i];
+        }
+        let (mut sin_ball, mut cos_ball) = ([0.0; WIDTH], [0.0; WIDTH]);
+        for i in 0..WIDTH {
+            sin_ball[i] = self.radius[i] * inv[i];
+            cos_ball[i] = at_least(1.0 - sin_ball[i] * sin_ball[i], 0.0).sqrt();
+        }
+        let mut seen = [0.0; WIDTH];
+        for i in 0..WIDTH {
+            let (cos, sin) = less(
+                cos_axis[i],
+                sine(cos_axis[i]),
+                self.cos_spread[i],
+                self.sin_spread[i],
+            );
+            seen[i] = at_least(less(cos, sin, cos_ball[i], sin_ball[i]).0, 0.0);
+        }
+        if FACING {
+            for i in 0..WIDTH {
+                let arriving = less(cos_in[i], sine(cos_in[i]), cos_ball[i], sin_ball[i]).0;
+                seen[i] *= at_least(arriving, 0.0);
+            }
+        }
+        let mut importance = [0.0; WIDTH];
+        for i in 0..WIDTH {
+            let r2 = self.radius[i] * self.radius[i];
+            let outside = seen[i] * inv[i] * inv[i];
+            let inside = 1.0 / at_least(r2, CLOSEST);
+            let here = if d2[i] <= r2 { inside } else { outside };
+            importance[i] = at_most(self.strength[i] * here, f32::MAX * 1e-3);
+        }
+        importance
+    }
+}
+
+/// `max` by one comparison, for numbers.
+#[inline]
+fn at_least(x: f32, least: f32) -> f32 {
+    if x > least { x } else { least }
+}
+
+/// `min` by one comparison, for numbers.
+#[inline]
+fn at_most(x: f32, most: f32) -> f32 {
+    if x < most { x } else { most }
+}
+
 #[inline]
 fn sine(cos: f32) -> f32 {
-    (1.0 - cos * cos).max(0.0).sqrt()
+    at_least(1.0 - cos * cos, 0.0).sqrt()
 }
 
 /// Cosine and sine of `max(0, a - b)`.
 #[inline]
 fn less(cos_a: f32, sin_a: f32, cos_b: f32, sin_b: f32) -> (f32, f32) {
-    if cos_a > cos_b {
-        (1.0, 0.0)
-    } else {
-        (
-            cos_a * cos_b + sin_a * sin_b,
-            (sin_a * cos_b - cos_a * sin_b).max(0.0),
-        )
-    }
+    let cos = cos_a * cos_b + sin_a * sin_b;
+    let sin = at_least(sin_a * cos_b - cos_a * sin_b, 0.0);
+    let within = cos_a > cos_b;
+    (
+        if within { 1.0 } else { cos },
+        if within { 0.0 } else { sin },
+    )
 }

@@ -9,7 +9,7 @@
 use crate::math::distribution::{Grid, sample_linear, widen};
 use crate::math::rgb::selection_weight;
 use crate::math::{Mat3, Rgb, Vec2, Vec3};
-use std::f32::consts::{FRAC_1_PI, TAU};
+use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
 /// A latitude-longitude image ready to sample.
 #[derive(Debug)]
@@ -129,13 +129,13 @@ impl LatLong {
     fn patch(&self, dir: Vec3) -> Option<Patch> {
         let d = (self.to_local * dir).normalize_or_zero();
         let sin_theta = Vec2::new(d.x, d.z).length();
-        let theta = sin_theta.atan2(d.y);
+        let theta = angle(sin_theta, d.y);
         let v = theta / self.theta_max * (self.height - 1) as f32;
         // Also sends a direction that is not a number away.
         if theta.is_nan() || theta > self.theta_max {
             return None;
         }
-        let u = d.x.atan2(-d.z) * (0.5 * FRAC_1_PI);
+        let u = angle(d.x, -d.z) * (0.5 * FRAC_1_PI);
         let u = (u - u.floor()) * self.width as f32 - 0.5;
         let u = if u < 0.0 { u + self.width as f32 } else { u };
         let x = (u as usize).min(self.width - 1);
@@ -187,6 +187,32 @@ impl LatLong {
     }
 }
 
+/// `y.atan2(x)` to 3e-7, several times faster than the library's: a hundredth of a texel of a map 100 000
+/// texels wide. The arc tangent's polynomial on `[-tan(pi/8), tan(pi/8)]` is Cephes' (Moshier).
+#[inline]
+fn angle(y: f32, x: f32) -> f32 {
+    let (ax, ay) = (x.abs(), y.abs());
+    let (small, large) = if ay > ax { (ax, ay) } else { (ay, ax) };
+    // atan(t) = pi/4 + atan((t - 1) / (t + 1)).
+    let (num, base) = if small > 0.414_213_56 * large {
+        (small - large, FRAC_PI_4)
+    } else {
+        (small, 0.0)
+    };
+    let den = if base > 0.0 { small + large } else { large };
+    let t = num / den.max(f32::MIN_POSITIVE);
+    let z = t * t;
+    let series = ((8.053_744_5e-2 * z - 1.387_768_6e-1) * z + 1.997_771_1e-1) * z - 3.333_295e-1;
+    let mut angle = base + (series * z * t + t);
+    if ay > ax {
+        angle = FRAC_PI_2 - angle;
+    }
+    if x < 0.0 {
+        angle = PI - angle;
+    }
+    angle.copysign(y)
+}
+
 #[inline]
 fn lerp(a: f32, b: f32, t: f32) -> f32 {
     a + (b - a) * t
@@ -220,4 +246,25 @@ fn integrate(pixels: &[Rgb], [width, height]: [usize; 2], theta_max: f32) -> Rgb
         total += sum * hat;
     }
     (total * (std::f64::consts::TAU / width as f64)).as_vec3()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angles_are_those_of_the_library() {
+        for i in 0..100_000 {
+            let phi = (f64::from(i) + 0.3) * std::f64::consts::TAU / 100_000.0;
+            let (sin, cos) = phi.sin_cos();
+            let (y, x) = (sin as f32 * 3.0, cos as f32 * 3.0);
+            let exact = f64::from(y).atan2(f64::from(x));
+            assert!((f64::from(angle(y, x)) - exact).abs() < 3e-7, "{y} {x}");
+        }
+        assert!(angle(0.0, 0.0) == 0.0 && angle(f32::NAN, 1.0).is_nan());
+        assert_eq!(
+            [angle(0.0, 1.0), angle(1.0, 0.0), angle(0.0, -1.0)],
+            [0.0, FRAC_PI_2, PI]
+        );
+    }
 }

@@ -1,12 +1,12 @@
 //! Emitters: what shines, how it is sampled from a point (next-event estimation) and how photons leave it.
 //!
 //! Lights fall into two sets. *Local* ones are in the scene: triangles, exact shapes, points. They are
-//! the leaves of a [light tree](tree), so that choosing among a million takes twenty steps. *Distant* ones
+//! the leaves of a [light tree](tree), so that choosing among a million takes seven steps. *Distant* ones
 //! are outside: images, skies, suns, parallel light; there are few, and each knows what it may send to a
 //! surface with a given normal. Which set a sample comes from follows both estimates at the point.
 //!
 //! Every probability depends on the point and its normal alone, and `pdf_*` computes it from them with
-//! the operations that `sample` uses: the densities agree bit for bit.
+//! the operations that `sample` uses: the densities agree to rounding.
 
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::texture::SurfacePoint;

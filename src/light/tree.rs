@@ -1,37 +1,81 @@
-//! A binary tree over the lights of the scene: how one of millions is chosen in proportion to what it
-//! may send to a point, in time that grows with the tree's depth.
+//! A tree over the lights of the scene: how one of millions is chosen in proportion to what it may send
+//! to a point, in time that grows with the tree's depth.
 //!
-//! At each node one of two children is taken by [`Cluster::importance`]. The probability of a light is
-//! the product along its path, which [`LightTree::probability`] walks again: the path is kept as bits.
+//! A node has up to eight children, and their importance (see [`Cluster::importance`]) is computed for
+//! all of them at once: the same operations on eight numbers, which the compiler turns into vector
+//! instructions. The probability of a light is the product along its path, which
+//! [`LightTree::probability`] walks from the leaf up.
 
-use super::cluster::Cluster;
+use super::cluster::{Cluster, Lanes, WIDTH};
 use crate::math::Vec3;
 
 /// Marks a child that is a leaf.
 const LEAF: u32 = 1 << 31;
+/// The root has no parent.
+const NONE: u32 = u32::MAX;
 
-/// Two children side by side, so that choosing between them touches one place in memory.
+/// Up to eight children.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node {
-    pub children: [Cluster; 2],
-    pub index: [u32; 2],
+    lanes: Lanes,
+    /// Child nodes, or leaves with the mark.
+    children: [u32; WIDTH],
 }
+
+/// Where a node or a leaf hangs: the node above times eight plus the place in it.
+type Link = u32;
 
 /// The tree. One light is a tree of no nodes.
 #[derive(Debug)]
 pub(super) struct LightTree {
-    pub nodes: Vec<Node>,
-    /// For each leaf the turns to take from the root, the first in the lowest bit.
-    pub trails: Vec<u64>,
-    pub root: Cluster,
+    nodes: Vec<Node>,
+    above_node: Vec<Link>,
+    above_leaf: Vec<Link>,
+    root: Cluster,
 }
 
-/// The index of a child that is a leaf.
-pub(super) fn leaf_index(leaf: usize) -> u32 {
-    leaf as u32 | LEAF
+/// A child to be put into a node.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Child {
+    /// The node that will be pushed with this index.
+    Node(u32),
+    /// A leaf.
+    Leaf(u32),
 }
 
 impl LightTree {
+    /// A tree without nodes, for `leaves` leaves in `root`.
+    pub fn new(root: Cluster, leaves: usize) -> Self {
+        Self {
+            nodes: Vec::new(),
+            above_node: vec![NONE],
+            above_leaf: vec![NONE; leaves],
+            root,
+        }
+    }
+
+    /// Appends a node; its children's indices must be the ones they have or will have. At most eight.
+    pub fn push(&mut self, children: &[(Cluster, Child)]) {
+        let mut node = Node {
+            lanes: Lanes::EMPTY,
+            children: [0; WIDTH],
+        };
+        let link = (self.nodes.len() * WIDTH) as Link;
+        for (place, (cluster, child)) in children.iter().take(WIDTH).enumerate() {
+            node.lanes.set(place, cluster);
+            let (above, index, marked) = match *child {
+                Child::Node(i) => (&mut self.above_node, i as usize, i),
+                Child::Leaf(i) => (&mut self.above_leaf, i as usize, i | LEAF),
+            };
+            if above.len() <= index {
+                above.resize(index + 1, NONE);
+            }
+            above[index] = link + place as Link;
+            node.children[place] = marked;
+        }
+        self.nodes.push(node);
+    }
+
     /// An estimate of the irradiance of all lights together, 0 only if none can arrive.
     #[inline]
     pub fn importance(&self, p: Vec3, n: Vec3) -> f32 {
@@ -48,17 +92,26 @@ impl LightTree {
         let (mut at, mut u, mut probability) = (0usize, u, 1.0f32);
         loop {
             let node = &self.nodes[at];
-            let left = probability_of_first(node, p, n)?;
-            let split = f64::from(left);
-            let side = usize::from(u >= split);
-            if side == 0 {
-                u /= split;
-                probability *= left;
-            } else {
-                u = (u - split) / (1.0 - split);
-                probability *= 1.0 - left;
+            let importance = node.lanes.importance(p, n);
+            let sum = total(&importance);
+            if sum <= 0.0 {
+                return None;
             }
-            let next = node.index[side];
+            let mut rest = u * f64::from(sum);
+            let mut place = WIDTH;
+            for (i, &w) in importance.iter().enumerate() {
+                if w > 0.0 {
+                    place = i;
+                    if rest < f64::from(w) {
+                        break;
+                    }
+                    rest -= f64::from(w);
+                }
+            }
+            let weight = importance[place];
+            u = (rest / f64::from(weight)).min(1.0 - f64::EPSILON);
+            probability *= weight / sum;
+            let next = node.children[place];
             if next & LEAF != 0 {
                 return Some(((next & !LEAF) as usize, probability));
             }
@@ -69,37 +122,27 @@ impl LightTree {
     /// Probability with which [`LightTree::sample`] chooses `leaf`.
     #[inline]
     pub fn probability(&self, p: Vec3, n: Vec3, leaf: usize) -> f32 {
-        if self.nodes.is_empty() {
-            return 1.0;
-        }
-        let (mut at, mut trail, mut probability) = (0usize, self.trails[leaf], 1.0f32);
-        loop {
-            let node = &self.nodes[at];
-            let Some(left) = probability_of_first(node, p, n) else {
+        let (mut link, mut probability) = (self.above_leaf[leaf], 1.0f32);
+        while link != NONE {
+            let (at, place) = (link as usize / WIDTH, link as usize % WIDTH);
+            let importance = self.nodes[at].lanes.importance(p, n);
+            if importance[place] <= 0.0 {
                 return 0.0;
-            };
-            let side = (trail & 1) as usize;
-            probability *= if side == 0 { left } else { 1.0 - left };
-            let next = node.index[side];
-            if next & LEAF != 0 || probability == 0.0 {
-                return probability;
             }
-            trail >>= 1;
-            at = next as usize;
+            probability *= importance[place] / total(&importance);
+            link = self.above_node[at];
         }
+        probability
     }
 
     /// Bytes held.
     pub fn memory_bytes(&self) -> usize {
-        self.nodes.len() * size_of::<Node>() + self.trails.len() * 8
+        self.nodes.len() * (size_of::<Node>() + 4) + self.above_leaf.len() * 4
     }
 }
 
-/// Probability of the first child; `None` if neither can send anything.
+/// The sum, in an order that the vector unit likes and that sampling and density share.
 #[inline]
-fn probability_of_first(node: &Node, p: Vec3, n: Vec3) -> Option<f32> {
-    let [a, b] = &node.children;
-    let (a, b) = (a.importance(p, n), b.importance(p, n));
-    let sum = a + b;
-    (sum > 0.0).then(|| a / sum)
+fn total(w: &[f32; WIDTH]) -> f32 {
+    ((w[0] + w[4]) + (w[1] + w[5])) + ((w[2] + w[6]) + (w[3] + w[7]))
 }

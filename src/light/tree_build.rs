@@ -2,15 +2,18 @@
 //! (Conty Estevez and Kulla 2018): strength times the area of the bounds times the measure of the directions lit.
 
 use super::cluster::Cluster;
-use super::tree::{LightTree, Node, leaf_index};
+use super::cluster::WIDTH;
+use super::tree::{Child, LightTree};
 use crate::accel::Bounds;
 use crate::math::Vec3;
 use std::f32::consts::{FRAC_PI_2, PI};
 
 /// Bins on each axis.
 const BINS: usize = 12;
-/// Depth beyond which the list is halved by count: a trail has 64 bits, and halving needs no more than 32.
+/// Depth beyond which the list is halved by count, so that no arrangement of lights makes a deep tree.
 const HALVE_FROM: u32 = 32;
+/// Lights by which a split is judged; of more, some evenly strewn over the list.
+const LOOKED_AT: usize = 4096;
 /// Lights below which a subtree is not worth a task of its own.
 const TASK: usize = 4096;
 
@@ -115,6 +118,15 @@ fn union_of_cones(a: &Group, b: &Group) -> (Vec3, f32) {
     (axis.normalize(), spread)
 }
 
+/// A node of the binary tree that splitting makes.
+#[derive(Clone, Copy, Debug)]
+struct Fork {
+    clusters: [Cluster; 2],
+    children: [Child; 2],
+    /// Lights below.
+    count: u32,
+}
+
 impl LightTree {
     /// Builds a tree over leaves with these bounds. `None` without leaves.
     pub fn build(leaves: &[Cluster]) -> Option<Self> {
@@ -131,21 +143,51 @@ impl LightTree {
             [one] => *one,
             _ => total(&items).cluster(),
         };
-        let blank = Node {
-            children: [root; 2],
-            index: [0; 2],
+        let blank = Fork {
+            clusters: [root; 2],
+            children: [Child::Leaf(0); 2],
+            count: 0,
         };
-        let mut nodes = vec![blank; leaves.len() - 1];
-        split(&mut items, &mut nodes, 0, 0, leaves);
-        let mut trails = vec![0; leaves.len()];
-        if !nodes.is_empty() {
-            mark(&nodes, &mut trails);
+        let mut forks = vec![blank; leaves.len() - 1];
+        split(&mut items, &mut forks, 0, 0, leaves);
+        let mut tree = LightTree::new(root, leaves.len());
+        if !forks.is_empty() {
+            widen(&forks, &mut tree);
         }
-        Some(Self {
-            nodes,
-            trails,
-            root,
-        })
+        Some(tree)
+    }
+}
+
+/// Makes nodes of up to eight children from the binary tree, from the root down: the child with the most
+/// lights is replaced by its own two until there is no more room.
+fn widen(forks: &[Fork], tree: &mut LightTree) {
+    let mut queue = std::collections::VecDeque::from([0u32]);
+    let mut numbered = 1;
+    while let Some(at) = queue.pop_front() {
+        let fork = &forks[at as usize];
+        let mut children: Vec<(Cluster, Child)> =
+            fork.clusters.into_iter().zip(fork.children).collect();
+        while children.len() < WIDTH {
+            let lights = |child: &Child| match child {
+                Child::Node(i) => forks[*i as usize].count,
+                Child::Leaf(_) => 0,
+            };
+            let largest = (0..children.len()).max_by_key(|&i| lights(&children[i].1));
+            let Some((i, Child::Node(index))) = largest.map(|i| (i, children[i].1)) else {
+                break;
+            };
+            let fork = &forks[index as usize];
+            children[i] = (fork.clusters[0], fork.children[0]);
+            children.push((fork.clusters[1], fork.children[1]));
+        }
+        for (_, child) in &mut children {
+            if let Child::Node(i) = child {
+                queue.push_back(*i);
+                *i = numbered;
+                numbered += 1;
+            }
+        }
+        tree.push(&children);
     }
 }
 
@@ -155,33 +197,35 @@ fn total(items: &[Item]) -> Group {
         .fold(Group::EMPTY, |g, item| g.union(&item.group))
 }
 
-/// Writes the tree over `items` into `nodes` (one fewer than items), whose first has the index `base`.
-/// A child with m lights takes m - 1 nodes, so both halves know their place and are built in parallel.
-fn split(items: &mut [Item], nodes: &mut [Node], base: usize, depth: u32, leaves: &[Cluster]) {
-    let Some((node, rest)) = nodes.split_first_mut() else {
+/// Writes the tree over `items` into `forks` (one fewer than items), whose first has the index `base`.
+/// A child with m lights takes m - 1 forks, so both halves know their place and are built in parallel.
+fn split(items: &mut [Item], forks: &mut [Fork], base: usize, depth: u32, leaves: &[Cluster]) {
+    let count = items.len() as u32;
+    let Some((fork, rest)) = forks.split_first_mut() else {
         return;
     };
     let middle = partition(items, depth);
     let (left, right) = items.split_at_mut(middle);
-    let (left_nodes, right_nodes) = rest.split_at_mut(middle - 1);
+    let (left_forks, right_forks) = rest.split_at_mut(middle - 1);
     let bases = [base + 1, base + middle];
     let child = |part: &[Item], base: usize| match part {
-        [one] => (leaves[one.leaf as usize], leaf_index(one.leaf as usize)),
-        _ => (total(part).cluster(), base as u32),
+        [one] => (leaves[one.leaf as usize], Child::Leaf(one.leaf)),
+        _ => (total(part).cluster(), Child::Node(base as u32)),
     };
     let (a, b) = (child(left, bases[0]), child(right, bases[1]));
-    *node = Node {
-        children: [a.0, b.0],
-        index: [a.1, b.1],
+    *fork = Fork {
+        clusters: [a.0, b.0],
+        children: [a.1, b.1],
+        count,
     };
-    if left.len() + right.len() > TASK {
+    if count as usize > TASK {
         rayon::join(
-            || split(left, left_nodes, bases[0], depth + 1, leaves),
-            || split(right, right_nodes, bases[1], depth + 1, leaves),
+            || split(left, left_forks, bases[0], depth + 1, leaves),
+            || split(right, right_forks, bases[1], depth + 1, leaves),
         );
     } else {
-        split(left, left_nodes, bases[0], depth + 1, leaves);
-        split(right, right_nodes, bases[1], depth + 1, leaves);
+        split(left, left_forks, bases[0], depth + 1, leaves);
+        split(right, right_forks, bases[1], depth + 1, leaves);
     }
 }
 
@@ -196,8 +240,10 @@ fn partition(items: &mut [Item], depth: u32) -> usize {
         .iter()
         .fold(Bounds::EMPTY, |b, item| b.with(center(item)));
     let extent = centers.max - centers.min;
-    let Some((axis, bin)) = best_split(items, centers, extent).filter(|_| depth < HALVE_FROM)
-    else {
+    // As many as one node holds are put side by side in it: how they are parted hardly matters.
+    let search = depth < HALVE_FROM && items.len() > WIDTH;
+    let best = search.then(|| best_split(items, centers, extent)).flatten();
+    let Some((axis, bin)) = best else {
         let axis = extent.max_position();
         items.select_nth_unstable_by(half, |a, b| {
             let (x, y) = (center(a)[axis], center(b)[axis]);
@@ -228,24 +274,16 @@ fn best_split(items: &[Item], centers: Bounds, extent: Vec3) -> Option<(usize, u
             continue;
         }
         let mut bins = [Group::EMPTY; BINS];
-        let mut counts = [0usize; BINS];
-        for item in items {
+        for item in items.iter().step_by(items.len().div_ceil(LOOKED_AT)) {
             let x = item.group.bounds.center()[axis];
             let i = bin_of(x, centers.min[axis], extent[axis]);
             bins[i] = bins[i].union(&item.group);
-            counts[i] += 1;
         }
         // Long thin halves are worse than their area says: weigh by how much longer the longest side is.
         let regularity = longest / extent[axis];
-        for bin in 0..BINS - 1 {
-            let side = |range: std::ops::Range<usize>| {
-                let count: usize = counts[range.clone()].iter().sum();
-                let group = bins[range].iter().fold(Group::EMPTY, |a, b| a.union(b));
-                (count, group.cost())
-            };
-            let ((left, a), (right, b)) = (side(0..bin + 1), side(bin + 1..BINS));
-            let cost = (a + b) * regularity;
-            if left > 0 && right > 0 && best.is_none_or(|(least, ..)| cost < least) {
+        for (bin, cost) in sweep(&bins) {
+            let cost = cost * regularity;
+            if best.is_none_or(|(least, ..)| cost < least) {
                 best = Some((cost, axis, bin));
             }
         }
@@ -253,18 +291,29 @@ fn best_split(items: &[Item], centers: Bounds, extent: Vec3) -> Option<(usize, u
     best.map(|(_, axis, bin)| (axis, bin))
 }
 
-/// Writes the trail of every leaf.
-fn mark(nodes: &[Node], trails: &mut [u64]) {
-    let mut stack = vec![(0u32, 0u64, 0u32)];
-    while let Some((at, trail, depth)) = stack.pop() {
-        for (side, &next) in nodes[at as usize].index.iter().enumerate() {
-            let trail = trail | (side as u64) << depth;
-            let leaf = next & !leaf_index(0);
-            if next == leaf {
-                stack.push((next, trail, depth + 1));
-            } else {
-                trails[leaf as usize] = trail;
-            }
+/// Each place between two bins that separates lights, by the bin before it, and the cost of parting there.
+fn sweep(bins: &[Group; BINS]) -> impl Iterator<Item = (usize, f32)> + '_ {
+    let mut above = [0.0; BINS];
+    let mut group = Group::EMPTY;
+    for bin in (1..BINS).rev() {
+        if bins[bin].spread >= 0.0 {
+            group = group.union(&bins[bin]);
+            above[bin - 1] = group.cost();
+        } else {
+            // The next filled bin beyond has the same lights above it; parting there is the same.
+            above[bin - 1] = above[bin];
         }
     }
+    let last = (0..BINS)
+        .rev()
+        .find(|&i| bins[i].spread >= 0.0)
+        .unwrap_or(0);
+    let mut below = Group::EMPTY;
+    (0..last).filter_map(move |bin| {
+        if bins[bin].spread < 0.0 {
+            return None;
+        }
+        below = below.union(&bins[bin]);
+        Some((bin, below.cost() + above[bin]))
+    })
 }

@@ -78,13 +78,20 @@ impl BoxRay {
                 far[child] = if b < far[child] { b } else { far[child] };
             }
         }
+        let mut met = 0u32;
+        for child in 0..8 {
+            met |= u32::from(near[child] <= far[child]) << child;
+        }
         let (bits, places) = node.get_child_and_index_bits(self.octant);
         let mut mask = 0;
-        for child in 0..8 {
-            let bits = (bits >> (8 * child)) as u32 & 0xff;
-            let place = (places >> (8 * child)) as u32 & 0x1f;
-            let met = u32::from(near[child] <= far[child]);
-            mask |= (bits * met) << place;
+        while met != 0 {
+            let shift = 8 * met.trailing_zeros();
+            met &= met - 1;
+            let (bits, place) = (
+                (bits >> shift) as u32 & 0xff,
+                (places >> shift) as u32 & 0x1f,
+            );
+            mask |= bits << place;
         }
         mask
     }

@@ -143,3 +143,56 @@ fn spots_and_projectors() {
         },
     );
 }
+
+/// Texels that are no light are counted and dark; the rest of the map shines as if they were black.
+#[test]
+fn texels_that_are_no_light() {
+    let file = tempfile::Builder::new().suffix(".exr").tempfile().unwrap();
+    let bad = [f32::NAN, -3.0, f32::INFINITY];
+    let texel = |x: usize, y: usize| {
+        let v = if y == 2 && x < 3 { bad[x] } else { 0.5 };
+        (v, 0.5f32, 0.25f32)
+    };
+    exr::prelude::write_rgb_file(file.path(), 8, 6, texel).unwrap();
+    let map = Emitter::EnvironmentMap {
+        path: file.path().into(),
+        scale: 1.0,
+        to_world: Affine3A::IDENTITY,
+        gamma: None,
+    };
+    let lights = setup(vec![], vec![map]).lights;
+    assert_eq!(lights.rejected_texels(), 3);
+    let mut rng = Pcg32::new(2, 2);
+    for _ in 0..20_000 {
+        let u = [(); 3].map(|()| rng.next_f32());
+        let s = lights.sample(Vec3::ZERO, Vec3::ZERO, u).unwrap();
+        assert!(s.pdf > 0.0 && s.pdf.is_finite());
+        assert!(s.radiance.cmpge(Rgb::ZERO).all() && s.radiance.max_element() <= 0.5);
+    }
+    let missing = Emitter::EnvironmentMap {
+        path: "no such map.exr".into(),
+        scale: 1.0,
+        to_world: Affine3A::IDENTITY,
+        gamma: None,
+    };
+    let error = Lights::build(vec![missing], &[], BOUNDS).unwrap_err();
+    assert!(error.to_string().contains("no such map.exr"));
+}
+
+/// The ends of the random numbers' range give light like any other.
+#[test]
+fn ends_of_the_random_numbers() {
+    let lights = environment();
+    let ends = [0.0, 0.5, 1.0 - f32::EPSILON * 0.5];
+    for a in ends {
+        for b in ends {
+            for c in ends {
+                let s = lights.sample(Vec3::ZERO, Vec3::ZERO, [a, b, c]);
+                // At the poles the density is a ratio of zeros: such a sample may be refused.
+                let Some(s) = s else { continue };
+                assert!(s.dir.is_finite() && (s.dir.length() - 1.0).abs() < 1e-5);
+                assert!(s.pdf > 0.0 && s.pdf.is_finite() && s.radiance.is_finite());
+            }
+        }
+    }
+}

@@ -110,8 +110,8 @@ fn ten_thousand_triangles_add_up() {
 #[test]
 fn probabilities_of_leaves() {
     let s = many(300);
-    let tree = &s.lights.local.as_ref().unwrap().tree;
-    let leaves = tree.trails.len();
+    let local = s.lights.local.as_ref().unwrap();
+    let (tree, leaves) = (&local.tree, local.leaves.len());
     let mut rng = Pcg32::new(3, 8);
     for p in [Vec3::ZERO, Vec3::new(4.0, 1.0, 0.0)] {
         for n in [Vec3::ZERO, Vec3::Y] {

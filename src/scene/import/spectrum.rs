@@ -1,7 +1,7 @@
 //! Spectra in scene files, turned into linear sRGB.
 //!
 //! The renderer works in three channels; scenes may give reflectances and light as curves over the
-//! wavelength. A curve is integrated against the CIE 1931 observer ([`tables`]) to XYZ and then to linear
+//! wavelength. A curve is integrated against the CIE 1931 observer (`spectrum_tables`) to XYZ and then to linear
 //! sRGB. What the integral is normalised by depends on what the curve is:
 //!
 //! * A **reflectance** (or an index of refraction) is seen under daylight: D65 weighs the integral, so

@@ -7,12 +7,13 @@
 //!               includes, references                    sensors, integrators, meshes
 //! ```
 //!
-//! Both dialects are one language here: names are compared in one spelling ([`names`]), and where the
+//! Both dialects are one language here: names are compared in one spelling (`names`), and where the
 //! same words mean different things, each object remembers whose file it stands in.
 //!
 //! What is wrong is an error with file, line and column; what is odd (a parameter nobody knows) is a
 //! warning in [`Description::warnings`].
 
+mod attributes;
 mod bsdfs;
 mod bsdfs_nested;
 mod defines;

@@ -115,7 +115,7 @@ impl<'a> Importer<'a> {
     fn without_scale(&mut self, p: &Params<'a>, given: DAffine3) -> Result<DAffine3, ImportError> {
         let axes = given.matrix3;
         let lengths = [axes.x_axis, axes.y_axis, axes.z_axis].map(|a| a.length());
-        if lengths.iter().any(|l| *l == 0.0) || axes.determinant() == 0.0 {
+        if lengths.contains(&0.0) || axes.determinant() == 0.0 {
             let at = p.place_of("to_world");
             return Err(self
                 .document

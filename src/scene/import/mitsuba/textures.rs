@@ -141,7 +141,7 @@ impl<'a> Importer<'a> {
                 .wrap(params, "wrap_mode_v")?
                 .or(both)
                 .unwrap_or_default(),
-            to_uv: self.to_uv(params)?,
+            to_uv: self.uv_transform(params)?,
             channel: params.text("channel")?.map(str::to_owned),
         };
         let path = settings.path.clone();
@@ -184,7 +184,7 @@ impl<'a> Importer<'a> {
     }
 
     /// `to_uv` (Mitsuba 3) or `uscale`, `vscale`, `uoffset`, `voffset` (0.x: scale, then offset).
-    fn to_uv(&mut self, params: &Params<'a>) -> Result<UvTransform, ImportError> {
+    fn uv_transform(&mut self, params: &Params<'a>) -> Result<UvTransform, ImportError> {
         let scale = params.float("uvscale", 1.0)?;
         let scale_u = params.float("uscale", scale)?;
         let scale_v = params.float("vscale", scale)?;
@@ -202,7 +202,7 @@ impl<'a> Importer<'a> {
         Ok(Texture::Checkerboard(Arc::new(Checkerboard {
             color0: self.texture(params, "color0", 0.4, role)?,
             color1: self.texture(params, "color1", 0.2, role)?,
-            to_uv: self.to_uv(params)?,
+            to_uv: self.uv_transform(params)?,
         })))
     }
 
@@ -212,7 +212,7 @@ impl<'a> Importer<'a> {
             color0: color(self.color(params, "color0", role)?, 0.2),
             color1: color(self.color(params, "color1", role)?, 0.4),
             line_width: params.float_in("line_width", 0.01, 0.0..=1.0)? as f32,
-            to_uv: self.to_uv(params)?,
+            to_uv: self.uv_transform(params)?,
         })))
     }
 

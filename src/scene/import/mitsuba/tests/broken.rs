@@ -198,10 +198,14 @@ fn exponential_includes_stay_within_the_depth_limit() {
 fn what_nobody_knows_is_a_warning_with_a_hint() {
     let stage = Stage::new().define("unused", "1");
     let d = stage.modern(
-        "<shape type='sphere'><float name='radios' value='2'/><bsdf type='diffuse'><float name='alpha' value='1'/></bsdf></shape>",
+        "<shape type='sphere'><float name='radios' value='2' vlaue='3'/><bsdf type='diffuse'><float name='alpha' value='1'/></bsdf></shape>",
     );
     let all = d.warnings.join("\n");
-    assert_eq!(d.warnings.len(), 3, "{all}");
+    assert_eq!(d.warnings.len(), 4, "{all}");
+    assert!(
+        all.contains("<float> has no attribute \"vlaue\"; did you mean \"value\"?"),
+        "{all}"
+    );
     assert!(all.contains("-D unused"), "{all}");
     assert!(
         all.contains("no parameter \"radios\"; did you mean \"radius\"?"),
