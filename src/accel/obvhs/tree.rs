@@ -3,9 +3,8 @@
 use super::plan::{Built, Plan, params};
 use super::walk::{BoxRay, Next, walk};
 use super::woop::ShearedRay;
-use crate::accel::{BuildSettings, Geometry, Shape};
+use crate::accel::{Bounds, BuildSettings, Geometry, Shape};
 use crate::math::Vec3;
-use obvhs::aabb::Aabb;
 use obvhs::cwbvh::CwBvh;
 
 /// What a leaf holds.
@@ -92,7 +91,7 @@ impl Tree {
     /// Builds the tree of `geometries`, and of instances by their boxes.
     pub fn build(
         geometries: &[Geometry],
-        instances: impl Iterator<Item = (u32, Aabb)>,
+        instances: impl Iterator<Item = (u32, Bounds)>,
         settings: &BuildSettings,
     ) -> Self {
         let parts: Vec<Part> = geometries
@@ -232,8 +231,12 @@ impl Tree {
     }
 
     /// The box around everything; none for an empty tree.
-    pub fn bounds(&self) -> Option<Aabb> {
-        (!self.bvh.nodes.is_empty()).then_some(self.bvh.total_aabb)
+    pub fn bounds(&self) -> Option<Bounds> {
+        let whole = &self.bvh.total_aabb;
+        (!self.bvh.nodes.is_empty()).then(|| Bounds {
+            min: whole.min.to_array().into(),
+            max: whole.max.to_array().into(),
+        })
     }
 }
 
