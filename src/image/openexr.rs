@@ -142,7 +142,6 @@ fn to_layer(
         };
         match (a.name.as_str(), value) {
             ("oiio:subimagename", ExrValue::Text(t)) => attributes.layer_name = Some(t),
-            ("Software", ExrValue::Text(t)) => attributes.software_name = Some(t),
             ("ImageDescription", ExrValue::Text(t)) => attributes.comments = Some(t),
             (_, value) => drop(attributes.other.insert(name, value)),
         }

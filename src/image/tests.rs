@@ -1,188 +1,182 @@
-//! Round trips, metadata through an independent reader, and files that are whole or not there.
+//! Tests of whole files.
 
+use super::file::{ImageFile, read_parts};
+use super::write::write_parts;
 use super::*;
+use crate::math::Pcg32;
 use std::path::PathBuf;
 
-fn folder() -> tempfile::TempDir {
-    tempfile::tempdir().expect("a temporary folder")
-}
-
-/// A picture of `names` with values from 0 to 1, every pixel different.
-fn ramp(width: u32, height: u32, names: &[&str]) -> Image {
-    let mut image = Image::new(width, height, names);
-    let n = image.pixels.len() as f32;
-    for (i, x) in image.pixels.iter_mut().enumerate() {
-        *x = (i as f32 + 0.5) / n;
-    }
-    image
-}
-
-fn worst(a: &Image, b: &Image) -> f32 {
-    assert_eq!(
-        (a.width, a.height, a.pixels.len()),
-        (b.width, b.height, b.pixels.len())
-    );
-    let differences = a.pixels.iter().zip(&b.pixels).map(|(a, b)| (a - b).abs());
-    differences.fold(0.0, f32::max)
-}
-
-#[test]
-fn every_format_comes_back_within_its_precision() {
-    let folder = folder();
-    let image = ramp(37, 21, &["R", "G", "B"]);
-    let cases: &[(&str, Option<PixelType>, bool, f32)] = &[
-        ("a.exr", Some(PixelType::Float), false, 0.0),
-        ("b.exr", Some(PixelType::Half), false, 5e-4),
-        ("c.exr", Some(PixelType::Float), true, 0.0),
-        #[cfg(feature = "oiio")]
-        ("d.tif", Some(PixelType::Float), false, 0.0),
-        #[cfg(feature = "oiio")]
-        ("e.tif", Some(PixelType::U16), false, 1e-5),
-        #[cfg(feature = "oiio")]
-        ("f.hdr", None, false, 4e-3),
-        #[cfg(feature = "oiio")]
-        ("g.png", Some(PixelType::U16), false, 3e-5),
-        #[cfg(feature = "oiio")]
-        ("h.png", None, false, 5e-3),
-    ];
-    for &(name, pixel_type, tiled, tolerance) in cases {
-        let path = folder.path().join(name);
-        let options = WriteOptions {
-            pixel_type,
-            tiled,
-            ..WriteOptions::default()
-        };
-        write(&path, &image, &options).expect(name);
-        let back = match Format::of(&path).expect(name).is_display() {
-            true => read_linear(&path),
-            false => read(&path),
-        };
-        let error = worst(&image, &back.expect(name));
-        assert!(error <= tolerance, "{name}: {error}");
-    }
-}
-
+mod damage;
 #[cfg(feature = "oiio")]
+mod formats;
+
+/// An image of noise, `low` to `high`, with metadata of all kinds.
+fn noise(width: u32, height: u32, names: &[&str], low: f32, high: f32) -> Image {
+    let mut rng = Pcg32::new(5, u64::from(width));
+    let mut image = Image::new(width, height, names);
+    for x in &mut image.pixels {
+        *x = low + (high - low) * rng.next_f32();
+    }
+    image.attributes = vec![
+        Attribute::text("Software", "twintree test"),
+        Attribute::text("twintree:scene", "scenes/a b.xml"),
+        Attribute::int("twintree:passes", 17),
+        Attribute::float("twintree:seconds", 1.5),
+    ];
+    image
+}
+
+fn half_rounded(image: &Image) -> Vec<f32> {
+    let round = |x: &f32| half::f16::from_f32(*x).to_f32();
+    image.pixels.iter().map(round).collect()
+}
+
+const FILM: [&str; 8] = [
+    "R", "G", "B", "albedo.R", "albedo.G", "albedo.B", "depth.Z", "normal.X",
+];
+
 #[test]
-fn an_independent_reader_finds_layers_types_and_metadata() {
-    let folder = folder();
-    let path = folder.path().join("layers.exr");
-    let mut image = ramp(
-        19,
-        11,
-        &["R", "G", "B", "normal.X", "normal.Y", "normal.Z", "depth.Z"],
-    );
-    image.channels[6].pixel_type = Some(PixelType::Float);
-    image
-        .attributes
-        .push(Attribute::text("twintree:scene", "a scene"));
-    image
-        .attributes
-        .push(Attribute::float("twintree:seconds", 2.5));
-    for compression in [
-        Compression::Default,
-        Compression::None,
-        Compression::Zip,
-        Compression::Piz,
-    ] {
-        let options = WriteOptions {
-            compression,
-            ..WriteOptions::default()
-        };
-        write(&path, &image, &options).expect("written");
-        let parts = openexr::read_parts(&path).expect("readable");
-        assert_eq!(parts.len(), 1);
-        let back = &parts[0];
-        for (c, channel) in image.channels.iter().enumerate() {
-            let found = back.channel(&channel.name).expect("the channel");
-            let tolerance = if channel.pixel_type.is_some() {
-                0.0
-            } else {
-                5e-4
-            };
-            for y in 0..11 {
-                for x in 0..19 {
-                    let difference = (image.pixel(x, y)[c] - back.pixel(x, y)[found]).abs();
-                    assert!(difference <= tolerance, "{} {x} {y}", channel.name);
+fn exr_returns_what_it_got_in_every_packing() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.exr");
+    let image = noise(67, 41, &FILM, -3.0, 100.0);
+    for pixel_type in [PixelType::Half, PixelType::Float] {
+        for compression in [Compression::Default, Compression::None, Compression::Piz] {
+            for tiled in [false, true] {
+                let options = WriteOptions {
+                    pixel_type: Some(pixel_type),
+                    compression,
+                    tiled,
+                    exposure: 3.0,
+                };
+                write(&path, &image, &options).unwrap();
+                let back = read(&path).unwrap();
+                assert_eq!(back.channel_names(), FILM, "{options:?}");
+                assert_eq!((back.width, back.height), (67, 41));
+                let expected = match pixel_type {
+                    PixelType::Float => image.pixels.clone(),
+                    _ => half_rounded(&image),
+                };
+                assert_eq!(back.pixels, expected, "{options:?}");
+                for a in &image.attributes {
+                    assert_eq!(back.attribute(&a.name), Some(&a.value), "{options:?}");
                 }
             }
         }
-        let scene = back.attribute("twintree:scene").expect("metadata");
-        assert_eq!(*scene, AttributeValue::Text("a scene".into()));
-        let seconds = back.attribute("twintree:seconds").expect("metadata");
-        assert_eq!(*seconds, AttributeValue::Float(2.5));
+    }
+}
+
+/// The `exr` crate and OpenImageIO share no code.
+#[test]
+fn another_reader_sees_the_same_pixels_and_attributes() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.exr");
+    let mut image = noise(33, 20, &FILM, 0.0, 4.0);
+    image.channels[6].pixel_type = Some(PixelType::Float);
+    write(&path, &image, &WriteOptions::default()).unwrap();
+    let other = openexr::read_parts(&path).unwrap().remove(0);
+    assert_eq!((other.width, other.height), (33, 20));
+    let halves = half_rounded(&image);
+    for (c, name) in FILM.iter().enumerate() {
+        let theirs = other.channel(name).unwrap();
+        for i in 0..(33 * 20) {
+            let got = other.pixels[i * 8 + theirs];
+            let exact = if c == 6 { &image.pixels } else { &halves };
+            assert_eq!(got, exact[i * 8 + c], "{name} of pixel {i}");
+        }
+    }
+    for a in &image.attributes {
+        assert_eq!(other.attribute(&a.name), Some(&a.value));
+    }
+}
+
+/// What the `exr` crate writes when OpenImageIO is not there, the usual reader reads.
+#[test]
+fn the_writer_of_builds_without_openimageio_is_understood() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.exr");
+    let image = noise(33, 20, &FILM, 0.0, 4.0);
+    for tiled in [false, true] {
+        let options = WriteOptions {
+            tiled,
+            ..Default::default()
+        };
+        openexr::write(&path, &[(&image, vec![PixelType::Float; 8])], &options).unwrap();
+        let back = read(&path).unwrap();
+        assert_eq!(back.channel_names(), FILM);
+        assert_eq!(back.pixels, image.pixels);
+        for a in &image.attributes {
+            assert_eq!(back.attribute(&a.name), Some(&a.value));
+        }
     }
 }
 
 #[test]
-fn a_failed_write_leaves_the_old_file_and_nothing_else() {
-    let folder = folder();
-    let path = folder.path().join("kept.exr");
-    std::fs::write(&path, "the old file").expect("written");
-    let mut broken = ramp(8, 8, &["R", "G", "B"]);
-    broken.pixels.truncate(5);
-    assert!(write(&path, &broken, &WriteOptions::default()).is_err());
-    assert!(atomic::replace(&path, |_| Err("the disk is full".into())).is_err());
-    assert_eq!(
-        std::fs::read_to_string(&path).expect("still there"),
-        "the old file"
-    );
-    assert_eq!(std::fs::read_dir(folder.path()).expect("listed").count(), 1);
-}
-
-#[test]
-fn what_cannot_be_read_or_written_is_said_in_words() {
-    let folder = folder();
-    let at = |name: &str| folder.path().join(name);
-    let image = ramp(4, 4, &["R", "G", "B"]);
-    let options = WriteOptions::default();
-    let fails = |path: PathBuf, words: &str| {
-        let error = write(&path, &image, &options).expect_err(words).to_string();
-        assert!(
-            error.contains(words) && error.contains(&path.display().to_string()),
-            "{error}"
-        );
+fn parts_keep_their_names_sizes_and_order() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("parts.exr");
+    let first = noise(20, 10, &["R", "G", "B"], 0.0, 1.0);
+    let second = noise(20, 10, &["Z"], 0.0, 9.0);
+    let options = WriteOptions {
+        pixel_type: Some(PixelType::Float),
+        ..Default::default()
     };
-    fails(at("picture"), "which format");
-    fails(at("no/such/folder/a.exr"), "no directory");
-
-    let missing = read(&at("missing.exr")).expect_err("missing").to_string();
-    assert!(
-        missing.contains("missing.exr") && missing.contains("cannot be opened"),
-        "{missing}"
-    );
-    std::fs::write(at("noise.exr"), [7u8; 300]).expect("written");
-    assert!(read(&at("noise.exr")).is_err());
+    write_parts(&path, &[(&first, "beauty"), (&second, "depth")], &options).unwrap();
+    let back = read_parts(&path).unwrap();
+    assert_eq!(back.len(), 2);
+    assert_eq!(back[0].pixels, first.pixels);
+    assert_eq!(back[1].pixels, second.pixels);
+    assert_eq!(back[1].channel_names(), ["Z"]);
+    let name = AttributeValue::Text("depth".into());
+    assert_eq!(back[1].attribute("oiio:subimagename"), Some(&name));
 }
 
-/// A file cut short or with flipped bits is an error or an image, never a panic.
 #[test]
-fn damaged_files_are_refused_or_read() {
-    let folder = folder();
-    let path = folder.path().join("whole.exr");
-    write(
-        &path,
-        &ramp(16, 16, &["R", "G", "B"]),
-        &WriteOptions::default(),
-    )
-    .expect("written");
-    let whole = std::fs::read(&path).expect("read");
-    let damaged = folder.path().join("damaged.exr");
-    let mut rng = crate::math::Pcg32::new(11, 3);
-    for round in 0..200 {
-        let mut bytes = whole.clone();
-        if round % 2 == 0 {
-            bytes.truncate(rng.next_u32() as usize % bytes.len());
-        } else {
-            for _ in 0..4 {
-                let at = rng.next_u32() as usize % bytes.len();
-                bytes[at] ^= 1 << (rng.next_u32() % 8);
+fn finite_numbers_stay_finite_in_half_floats() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("bright.exr");
+    let mut image = Image::new(2, 1, &["R", "G", "B"]);
+    image.pixels = vec![1e9, -1e9, 65504.0, f32::INFINITY, f32::NAN, 1e-9];
+    write(&path, &image, &WriteOptions::default()).unwrap();
+    let back = read(&path).unwrap().pixels;
+    assert_eq!(back[..4], [65504.0, -65504.0, 65504.0, f32::INFINITY]);
+    assert!(back[4].is_nan());
+}
+
+#[test]
+fn strips_and_channels_are_the_parts_of_the_whole() {
+    let dir = tempfile::tempdir().unwrap();
+    let image = noise(150, 133, &["R", "G", "B", "A"], 0.0, 1.0);
+    for tiled in [false, true] {
+        let path = dir.path().join(format!("{tiled}.exr"));
+        let options = WriteOptions {
+            pixel_type: Some(PixelType::Float),
+            tiled,
+            ..Default::default()
+        };
+        write(&path, &image, &options).unwrap();
+        let mut file = ImageFile::open(&path).unwrap();
+        let strip = file.strip_height(20 * 150 * 4);
+        let mut y0 = 0;
+        while y0 < 133 {
+            let y1 = (y0 + strip).min(133);
+            let mut two = vec![0f32; 150 * (y1 - y0) as usize * 2];
+            file.rows(y0..y1, 1..3, PixelType::Float, &mut two).unwrap();
+            for (i, pair) in two.chunks_exact(2).enumerate() {
+                let at = (y0 as usize * 150 + i) * 4;
+                assert_eq!(pair, &image.pixels[at + 1..at + 3]);
             }
+            y0 = y1;
         }
-        std::fs::write(&damaged, &bytes).expect("written");
-        if let Ok(image) = read(&damaged) {
-            let expected = image.width as usize * image.height as usize * image.channels.len();
-            assert_eq!(image.pixels.len(), expected);
-        }
+    }
+}
+
+#[test]
+fn names_that_say_no_format_are_refused() {
+    let image = Image::new(1, 1, &["R"]);
+    for name in ["picture", "picture.xyz", "exr"] {
+        let e = write(&PathBuf::from(name), &image, &WriteOptions::default()).unwrap_err();
+        assert!(e.reason.contains(".exr"), "{e}");
+        assert!(!PathBuf::from(name).exists());
     }
 }

@@ -4,6 +4,7 @@ mod bitmap;
 #[cfg(feature = "oiio")]
 mod cached;
 mod curve;
+mod load;
 mod pattern;
 mod place;
 mod pyramid;
@@ -181,6 +182,7 @@ impl Texture {
         match self {
             Texture::Constant(c) => luminance(*c),
             Texture::Bitmap(bitmap) => bitmap.eval_scalar(point),
+            Texture::Checkerboard(board) => board.at(point.uv).eval_scalar(point),
             other => luminance(other.eval(point)),
         }
     }
@@ -200,10 +202,10 @@ impl Texture {
 
     /// The value, if it is the same everywhere.
     pub fn constant(&self) -> Option<Rgb> {
-        if let Texture::Constant(c) = self {
-            Some(*c)
-        } else {
-            None
+        match self {
+            Texture::Constant(c) => Some(*c),
+            Texture::Scale(scaled) => scaled.0.constant().map(|c| c * scaled.1),
+            _ => None,
         }
     }
 }

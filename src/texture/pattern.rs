@@ -29,6 +29,7 @@ pub struct Grid {
 
 impl Checkerboard {
     /// Which of the two textures covers the texture coordinates.
+    #[inline]
     pub fn at(&self, uv: Vec2) -> &Texture {
         let uv = self.to_uv.0.transform_point2(uv);
         let inside = uv - uv.floor();

@@ -82,14 +82,11 @@ impl Input {
             2 => PixelType::Half,
             _ => PixelType::Float,
         };
-        let channels = (0..info.channels)
-            // SAFETY: the input is open; the string is copied at once.
-            .map(|c| {
-                Channel::new(copied(unsafe {
-                    ffi::twt_input_channel(self.0.as_ptr(), c)
-                }))
-            })
-            .collect();
+        let name = |c| {
+            // SAFETY: the input is open, and the string is copied at once.
+            copied(unsafe { ffi::twt_input_channel(self.0.as_ptr(), c) })
+        };
+        let channels = (0..info.channels).map(|c| Channel::new(name(c))).collect();
         Ok(Header {
             level: Level {
                 width: info.width as u32,

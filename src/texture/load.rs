@@ -1,0 +1,233 @@
+//! Opening an image for texturing: which channels, which curve, in memory or in the cache.
+
+use super::BitmapSettings;
+use super::bitmap::{Source, Texels};
+use super::curve::{Cleaner, Curve};
+use super::pyramid::{Pyramid, Texel};
+use crate::image::file::{ImageFile, Level};
+use crate::image::{ImageError, PixelType, color_channels};
+use crate::math::Rgb;
+use half::f16;
+
+/// An image about to be loaded: what its header and the scene decide together.
+#[derive(Debug)]
+pub(super) struct Plan {
+    pub file: ImageFile,
+    /// Positions of the channels: one, or three.
+    pub channels: Vec<usize>,
+    pub curve: Curve,
+    pub raw: bool,
+    pub mip: bool,
+}
+
+/// What reading the finest level brings to light, apart from the texels.
+#[derive(Default)]
+struct Census {
+    sum: [f64; 3],
+    bad: u64,
+}
+
+impl Plan {
+    /// Opens the file and decides.
+    pub fn new(settings: &BitmapSettings) -> Result<Self, ImageError> {
+        let file = ImageFile::open(&settings.path)?;
+        let header = file.header();
+        let names: Vec<&str> = header.channels.iter().map(|c| c.name.as_str()).collect();
+        let channels = match &settings.channel {
+            Some(name) => vec![named_channel(&names, name).ok_or_else(|| {
+                ImageError::new(
+                    &settings.path,
+                    format!("has no channel {name}, only {}", names.join(", ")),
+                )
+            })?],
+            None if names.len() < 3 => vec![0],
+            None => color_channels(&names).to_vec(),
+        };
+        let alpha = settings.channel.is_some() && names[channels[0]].eq_ignore_ascii_case("A");
+        Ok(Self {
+            curve: Curve::of(settings, header.pixel_type, alpha),
+            raw: settings.raw,
+            mip: true,
+            channels,
+            file,
+        })
+    }
+
+    /// How texels are kept: as stored, but 16-bit integers as half floats, or as floats where they are
+    /// heights or the like and need every bit.
+    pub fn kept(&self) -> PixelType {
+        match self.file.header().pixel_type {
+            PixelType::U16 if self.raw => PixelType::Float,
+            PixelType::U16 => PixelType::Half,
+            // A power of a half may need more range than a half has.
+            PixelType::Half if matches!(self.curve, Curve::Gamma(_)) => PixelType::Float,
+            t => t,
+        }
+    }
+
+    /// What is done to odd numbers.
+    pub fn cleaner(&self) -> Cleaner {
+        Cleaner {
+            keep_negative: self.raw,
+            half: self.kept() == PixelType::Half,
+        }
+    }
+
+    /// Bytes that the texels and their mip levels will take in memory.
+    pub fn bytes(&self) -> usize {
+        let size = self.file.header().level;
+        let one = match self.kept() {
+            PixelType::U8 => 1,
+            PixelType::U16 | PixelType::Half => 2,
+            PixelType::Float => 4,
+        };
+        let finest = size.width as usize * size.height as usize * self.channels.len() * one;
+        finest + finest / 3 + 2048
+    }
+
+    /// Reads everything.
+    pub fn resident(mut self) -> Result<Texels, ImageError> {
+        let size = self.file.header().level;
+        let (grey, mut census) = (self.channels.len() == 1, Census::default());
+        let c = &mut census;
+        let (source, levels, bytes) = match (self.kept(), grey) {
+            (PixelType::U8, true) => described(self.codes::<1>(c)?, Source::Grey8),
+            (PixelType::U8, false) => described(self.codes::<3>(c)?, Source::Rgb8),
+            (PixelType::Half, true) => described(self.floats::<f16, 1>(c)?, Source::GreyHalf),
+            (PixelType::Half, false) => described(self.floats::<f16, 3>(c)?, Source::RgbHalf),
+            (_, true) => described(self.floats::<f32, 1>(c)?, Source::GreyFloat),
+            (_, false) => described(self.floats::<f32, 3>(c)?, Source::RgbFloat),
+        };
+        Ok(Texels {
+            source,
+            size,
+            levels,
+            grey,
+            mean: census.mean(size, grey),
+            bad: census.bad,
+            bytes,
+        })
+    }
+
+    /// 8-bit texels, as they are.
+    fn codes<const N: usize>(&mut self, census: &mut Census) -> Result<Pyramid<u8, N>, ImageError> {
+        let size = self.file.header().level;
+        let table = self.curve.table();
+        let mut texels = Vec::with_capacity(size.width as usize * size.height as usize);
+        self.each_texel::<u8, N>(PixelType::U8, |codes| {
+            census.add(&codes.map(|c| table[c as usize]));
+            texels.push(codes);
+        })?;
+        Ok(Pyramid::new(size, texels, table, self.cleaner(), self.mip))
+    }
+
+    /// Texels of any type through `f32`, made linear and cleaned.
+    fn floats<T: Texel, const N: usize>(
+        &mut self,
+        census: &mut Census,
+    ) -> Result<Pyramid<T, N>, ImageError> {
+        let size = self.file.header().level;
+        let (curve, cleaner) = (self.curve, self.cleaner());
+        let table = Box::new([0.0; 256]);
+        let mut texels = Vec::with_capacity(size.width as usize * size.height as usize);
+        self.each_texel::<f32, N>(PixelType::Float, |stored| {
+            let linear = stored.map(|x| curve.decode(x));
+            let clean = linear.map(|x| cleaner.clean(x));
+            census.bad += u64::from(clean != linear);
+            census.add(&clean);
+            texels.push(clean.map(|x| T::encode(x, &table)));
+        })?;
+        Ok(Pyramid::new(size, texels, table, cleaner, self.mip))
+    }
+
+    /// The mean and the number of bad texels, read in strips and not kept.
+    #[cfg(feature = "oiio")]
+    pub fn survey(&mut self) -> Result<(Rgb, u64), ImageError> {
+        let size = self.file.header().level;
+        let (curve, cleaner, mut census) = (self.curve, self.cleaner(), Census::default());
+        let mut count = |stored: &[f32]| {
+            let mut clean = [0.0; 3];
+            for (to, x) in clean.iter_mut().zip(stored) {
+                let linear = curve.decode(*x);
+                *to = cleaner.clean(linear);
+                census.bad += u64::from(*to != linear);
+            }
+            census.add(&clean);
+        };
+        if self.channels.len() == 1 {
+            self.each_texel::<f32, 1>(PixelType::Float, |t| count(&t))?;
+        } else {
+            self.each_texel::<f32, 3>(PixelType::Float, |t| count(&t))?;
+        }
+        Ok((census.mean(size, self.channels.len() == 1), census.bad))
+    }
+
+    /// Calls `take` with the chosen channels of every texel of the file's current level, rows from the
+    /// top, read as `stored`.
+    fn each_texel<T: bytemuck::Pod, const N: usize>(
+        &mut self,
+        stored: PixelType,
+        mut take: impl FnMut([T; N]),
+    ) -> Result<(), ImageError> {
+        let size = self.file.header().level;
+        let first = self.channels.iter().copied().min().unwrap_or(0);
+        let end = self.channels.iter().copied().max().unwrap_or(0) + 1;
+        let count = end - first;
+        let picks: [usize; N] = std::array::from_fn(|i| self.channels[i] - first);
+        let strip = self.file.strip_height(1 << 20);
+        let mut data = Vec::new();
+        for y0 in (0..size.height).step_by(strip as usize) {
+            let y1 = y0.saturating_add(strip).min(size.height);
+            data.resize(
+                size.width as usize * (y1 - y0) as usize * count,
+                T::zeroed(),
+            );
+            self.file.rows(y0..y1, first..end, stored, &mut data)?;
+            data.chunks_exact(count)
+                .for_each(|p| take(picks.map(|c| p[c])));
+        }
+        Ok(())
+    }
+}
+
+impl Census {
+    fn add(&mut self, texel: &[f32]) {
+        for (sum, x) in self.sum.iter_mut().zip(texel) {
+            *sum += f64::from(*x);
+        }
+    }
+
+    fn mean(&self, size: Level, grey: bool) -> Rgb {
+        let n = f64::from(size.width) * f64::from(size.height);
+        let [r, g, b] = self.sum.map(|s| (s / n) as f32);
+        if grey {
+            Rgb::splat(r)
+        } else {
+            Rgb::new(r, g, b)
+        }
+    }
+}
+
+fn described<T: Texel, const N: usize>(
+    pyramid: Pyramid<T, N>,
+    wrap: fn(Pyramid<T, N>) -> Source,
+) -> (Source, usize, usize) {
+    let (levels, bytes) = (pyramid.level_count(), pyramid.memory_bytes());
+    (wrap(pyramid), levels, bytes)
+}
+
+/// The channel of that name, or the one that `r`, `g`, `b`, `a` or `x`, `y`, `z` stands for.
+fn named_channel(names: &[&str], name: &str) -> Option<usize> {
+    let exact = names.iter().position(|n| *n == name);
+    let any_case = || names.iter().position(|n| n.eq_ignore_ascii_case(name));
+    // A grey picture answers for its colours as well.
+    let place = || match name.to_ascii_lowercase().as_str() {
+        "r" | "x" => Some(0),
+        "g" | "y" if names.len() < 3 => Some(0),
+        "b" | "z" if names.len() < 3 => Some(0),
+        "g" | "y" => Some(1),
+        "b" | "z" => Some(2),
+        _ => None,
+    };
+    exact.or_else(any_case).or_else(place)
+}
