@@ -1,6 +1,8 @@
 //! Files that a render leaves.
 
-use super::support::{Place, read_channels, read_exr};
+use super::support::{Place, read_channels, read_exr, wait};
+use std::io::{BufRead, BufReader, Read};
+use std::process::Stdio;
 
 #[test]
 fn one_render_writes_several_formats() {
@@ -191,4 +193,33 @@ fn stats_hold_every_documented_key() {
     let rate = stats["samples"].as_f64().unwrap() / stats["render_seconds"].as_f64().unwrap();
     let told = stats["samples_per_second"].as_f64().unwrap();
     assert!((told / rate - 1.0).abs() < 1e-6, "{told} {rate}");
+}
+
+#[test]
+fn an_image_whose_directory_has_gone_is_kept_elsewhere() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("pictures")).unwrap();
+    std::fs::create_dir(place.path("temporary")).unwrap();
+    let mut child = place
+        .command("render scene.xml -o pictures/a.png --time 2s")
+        .env("TMPDIR", place.path("temporary"))
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut messages = BufReader::new(child.stderr.take().unwrap());
+    let mut text = String::new();
+    while !text.contains(" samples/s") {
+        assert_ne!(messages.read_line(&mut text).unwrap(), 0, "{text}");
+    }
+    std::fs::remove_dir(place.path("pictures")).unwrap();
+    messages.read_to_string(&mut text).unwrap();
+    assert_eq!(wait(child).code, Some(1), "{text}");
+    assert!(
+        text.contains("error: pictures/a.png: ") && text.contains("kept in"),
+        "{text}"
+    );
+    let kept = std::fs::read_dir(place.path("temporary")).unwrap();
+    let kept: Vec<_> = kept.map(|f| f.unwrap().path()).collect();
+    assert_eq!(kept.len(), 1, "{kept:?}");
+    assert!(std::fs::read(&kept[0]).unwrap().starts_with(b"\x89PNG"));
 }
