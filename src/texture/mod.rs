@@ -8,6 +8,8 @@ mod pattern;
 mod place;
 mod pyramid;
 mod store;
+#[cfg(test)]
+mod tests;
 
 pub use bitmap::Bitmap;
 pub use pattern::{Checkerboard, Grid};
