@@ -4,7 +4,7 @@ use super::Failure;
 use super::args::{Aov, FileArgs, NumberFormat, Packing};
 use crate::film::Film;
 use crate::film::layers::{Layers, Metadata};
-use crate::image::{self, Compression, Format, PixelType, WriteOptions, atomic};
+use crate::image::{self, Compression, Format, Image, PixelType, WriteOptions, atomic};
 use std::path::{Path, PathBuf};
 
 /// What will be written.
@@ -81,7 +81,10 @@ impl Outputs {
             }
             match image::write(path, &picture, &options) {
                 Ok(()) => tracing::info!("wrote {}", path.display()),
-                Err(e) => failures.push(e.to_string()),
+                Err(e) => failures.push(match rescue(path, &picture, &options) {
+                    Some(kept) => format!("{e}\n  help: the image is kept in {}", kept.display()),
+                    None => e.to_string(),
+                }),
             }
         }
         if failures.is_empty() {
@@ -103,6 +106,15 @@ impl Outputs {
         })
         .map_err(|e| Failure::Refused(e.to_string()))
     }
+}
+
+/// Writes an image that cannot go where it should (the disk is full, the directory has gone) to the
+/// directory for temporary files: hours of work may be in it.
+fn rescue(path: &Path, picture: &Image, options: &WriteOptions) -> Option<PathBuf> {
+    let name = path.file_name()?.to_string_lossy();
+    let name = format!("twintree-{}-{name}", std::process::id());
+    let kept = std::env::temp_dir().join(name);
+    image::write(&kept, picture, options).ok().map(|()| kept)
 }
 
 /// The scene's name with `.exr`, in the current directory.

@@ -1,7 +1,10 @@
 //! Files that a render leaves.
 
-use super::support::{Place, read_channels, read_exr};
+use super::support::{Place, read_channels, read_exr, wait};
+use std::io::{BufRead, BufReader, Read};
+use std::process::Stdio;
 
+#[cfg(feature = "oiio")]
 #[test]
 fn one_render_writes_several_formats() {
     let place = Place::new();
@@ -128,6 +131,7 @@ fn layers_are_in_the_file_that_was_asked_for_them() {
     }
 }
 
+#[cfg(feature = "oiio")]
 #[test]
 fn exposure_doubles_the_light_of_a_png_and_leaves_the_exr() {
     let place = Place::new();
@@ -191,4 +195,56 @@ fn stats_hold_every_documented_key() {
     let rate = stats["samples"].as_f64().unwrap() / stats["render_seconds"].as_f64().unwrap();
     let told = stats["samples_per_second"].as_f64().unwrap();
     assert!((told / rate - 1.0).abs() < 1e-6, "{told} {rate}");
+}
+
+#[test]
+fn an_image_whose_directory_has_gone_is_kept_elsewhere() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("pictures")).unwrap();
+    std::fs::create_dir(place.path("temporary")).unwrap();
+    let mut child = place
+        .command("render scene.xml -o pictures/a.exr --time 2s")
+        .env("TMPDIR", place.path("temporary"))
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut messages = BufReader::new(child.stderr.take().unwrap());
+    let mut text = String::new();
+    while !text.contains(" samples/s") {
+        assert_ne!(messages.read_line(&mut text).unwrap(), 0, "{text}");
+    }
+    std::fs::remove_dir(place.path("pictures")).unwrap();
+    messages.read_to_string(&mut text).unwrap();
+    assert_eq!(wait(child).code, Some(1), "{text}");
+    assert!(
+        text.contains("error: pictures/a.exr: ") && text.contains("kept in"),
+        "{text}"
+    );
+    let kept = std::fs::read_dir(place.path("temporary")).unwrap();
+    let kept: Vec<_> = kept.map(|f| f.unwrap().path()).collect();
+    assert_eq!(kept.len(), 1, "{kept:?}");
+    assert_eq!(read_exr(&kept[0]).0, 24);
+}
+
+#[cfg(feature = "embree")]
+#[test]
+fn both_ray_tracers_show_the_same_scene() {
+    let place = Place::new();
+    let [a, b] = ["embree", "obvhs"].map(|accel| {
+        place
+            .run(&format!(
+                "render scene.xml -o a.exr --format float --accel {accel}"
+            ))
+            .ok();
+        read_exr(&place.path("a.exr")).1
+    });
+    // The same random numbers meet the same surfaces: a pixel differs only where a ray passes an edge
+    // within rounding. One in a hundred is allowed to.
+    let differ = |(a, b): (&[f32; 3], &[f32; 3])| (a[0] - b[0]).abs() > 1e-3 * a[0].abs();
+    let count = a.iter().zip(&b).filter(|&pair| differ(pair)).count();
+    assert!(
+        count <= a.len() / 100,
+        "{count} of {} pixels differ",
+        a.len()
+    );
 }
