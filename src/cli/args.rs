@@ -248,6 +248,20 @@ pub struct LightArgs {
         help_heading = "Light transport"
     )]
     pub guide: Guide,
+    /// Photon paths that teach the field, with --guide double
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 2_000_000,
+        help_heading = "Light transport"
+    )]
+    pub photons: u64,
+    /// Batches they come in, each twice as large as the one before
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=32), help_heading = "Light transport")]
+    pub batches: u32,
+    /// Memory for the field while it is learned, such as 64M
+    #[arg(long, value_name = "BYTES", default_value = "256M", value_parser = values::bytes, help_heading = "Light transport")]
+    pub guide_memory: usize,
     /// Emitters are not seen by the camera itself
     #[arg(long, help_heading = "Light transport")]
     pub hide_emitters: bool,
@@ -337,4 +351,6 @@ pub enum Accel {
 pub enum Guide {
     /// Plain path tracing
     None,
+    /// A double hierarchy, learned from photons before rendering
+    Double,
 }

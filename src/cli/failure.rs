@@ -8,6 +8,7 @@
 //! | 130 | interrupted; an image that had begun was written |
 
 use crate::accel::AccelError;
+use crate::guide::GuideError;
 use crate::image::ImageError;
 use crate::scene::BuildError;
 use crate::scene::import::ImportError;
@@ -61,6 +62,13 @@ impl Failure {
 
 impl From<ImportError> for Failure {
     fn from(error: ImportError) -> Self {
+        Self::Wrong(error.to_string())
+    }
+}
+
+/// What a field is asked for comes from the command line.
+impl From<GuideError> for Failure {
+    fn from(error: GuideError) -> Self {
         Self::Wrong(error.to_string())
     }
 }

@@ -1,11 +1,13 @@
 //! What the command line changes about a scene.
 
-use super::args::{LightArgs, PictureArgs, RFilter, RenderArgs, Sampler, StopArgs};
+use super::args::{Guide, LightArgs, PictureArgs, RFilter, RenderArgs, Sampler, StopArgs};
 use super::{Failure, memory};
 use crate::film::filter::Filter;
 use crate::film::{FilmDescription, Pixel};
 use crate::integrate::PathSettings;
+use crate::integrate::learn::LearnSettings;
 use crate::integrate::render::Limits;
+use crate::photon::PhotonSettings;
 use crate::scene::Description;
 use crate::scene::description::{RenderDescription, SamplerKind};
 
@@ -123,6 +125,27 @@ pub fn path_settings(args: &LightArgs, scene: &RenderDescription) -> PathSetting
         },
         seed: args.seed,
     }
+}
+
+/// Most scatterings of a photon where paths are unlimited: roulette has ended nearly all by then.
+const UNLIMITED_BOUNCES: u32 = 1000;
+
+/// How to learn the field, if one is wanted. Photons scatter as often as camera paths can.
+pub fn learn_settings(args: &LightArgs, path: &PathSettings) -> Option<LearnSettings> {
+    if args.guide == Guide::None {
+        return None;
+    }
+    Some(LearnSettings {
+        photons: args.photons,
+        batches: args.batches,
+        memory: args.guide_memory as u64,
+        photon: PhotonSettings {
+            max_bounces: path.max_depth.saturating_sub(2).min(UNLIMITED_BOUNCES),
+            roulette_after: path.rr_depth.saturating_sub(2),
+            seed: args.seed,
+        },
+        direct: true,
+    })
 }
 
 /// When to stop. The scene's number of samples counts only where the command line names no limit.

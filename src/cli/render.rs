@@ -13,6 +13,9 @@ use crate::accel::{Backend, BuildSettings};
 use crate::camera::Camera;
 use crate::film::Film;
 use crate::film::layers::Metadata;
+use crate::integrate::PathSettings;
+use crate::integrate::guiding::Guide;
+use crate::integrate::learn::learn;
 use crate::integrate::render::{StoppedBy, Summary, View, render};
 use crate::report::scene::triangles;
 use crate::report::stats::Stats;
@@ -25,7 +28,16 @@ use std::time::{Duration, Instant};
 struct Times {
     load: f64,
     build: f64,
+    train: f64,
     write: f64,
+}
+
+/// What is rendered, and how.
+struct Setting<'a> {
+    scene: &'a Scene,
+    loaded: &'a Loaded,
+    path: &'a PathSettings,
+    guide: Option<&'a Guide>,
 }
 
 /// Renders and writes.
@@ -54,12 +66,20 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
         words::time(times.build)
     );
     let mut film = Film::new(&loaded.description.film);
-    let summary = trace(
-        args, console, &interrupt, &outputs, &scene, &loaded, &mut film,
-    );
+    let settings = overrides::path_settings(&args.light, &loaded.description.render);
+    let guide = timed(&mut times.train, || train(args, &scene, &settings))?;
+    let view = Setting {
+        scene: &scene,
+        loaded: &loaded,
+        path: &settings,
+        guide: guide.as_ref(),
+    };
+    let summary = trace(args, console, &interrupt, &outputs, &view, &mut film);
     let mut stats = measure(args, &scene, &loaded, &film, &summary);
     (stats.triangles, stats.load_seconds, stats.build_seconds) =
         (triangles, times.load, times.build);
+    (stats.train_seconds, stats.field_memory_bytes) =
+        (times.train, guide.as_ref().map_or(0, |g| g.field.bytes()));
     tracing::info!("{}", stats.sentence());
     warn_of_invalid_samples(&film);
     if summary.samples == 0 {
@@ -100,22 +120,48 @@ fn build(args: &RenderArgs, loaded: &mut Loaded) -> Result<Scene, Failure> {
     Ok(Scene::build(&mut loaded.description, settings, backend)?)
 }
 
+/// Learns the field, if one is wanted, and says what came of it.
+fn train(args: &RenderArgs, scene: &Scene, path: &PathSettings) -> Result<Option<Guide>, Failure> {
+    let Some(settings) = overrides::learn_settings(&args.light, path) else {
+        return Ok(None);
+    };
+    if scene.lights.is_empty() {
+        tracing::warn!("nothing shines: there is nothing to learn from photons");
+        return Ok(None);
+    }
+    let learned = learn(scene, &settings)?;
+    tracing::info!(
+        "learned from {} photons ({} landings) in {}: {} links in {} cells, {}",
+        words::count(learned.counts.emitted as f64),
+        words::count(learned.counts.landings as f64),
+        words::time(learned.elapsed.as_secs_f64()),
+        words::count(learned.stats.links as f64),
+        words::count(learned.stats.space_cells as f64),
+        words::bytes(learned.guide.field.bytes())
+    );
+    if learned.counts.invalid > 0 {
+        tracing::warn!(
+            "{} photons were not finite and were left out",
+            learned.counts.invalid
+        );
+    }
+    Ok(Some(learned.guide))
+}
+
 fn trace(
     args: &RenderArgs,
     console: &Console,
     interrupt: &Interrupt,
     outputs: &Outputs,
-    scene: &Scene,
-    loaded: &Loaded,
+    setting: &Setting,
     film: &mut Film,
 ) -> Summary {
-    let description = &loaded.description;
+    let description = &setting.loaded.description;
     let camera = Camera::new(
         &description.camera,
         description.film.width,
         description.film.height,
     );
-    let settings = overrides::path_settings(&args.light, &description.render);
     let limits = overrides::limits(&args.stop, &description.render);
     let preview = match &args.preview {
         Some(Preview::Tev(address)) => Tev::connect(address, &outputs.title(), film),
@@ -130,11 +176,11 @@ fn trace(
     let watch = Watch::start(interrupt, console, limits, film, preview);
     interrupt.be_patient();
     let view = View {
-        scene,
+        scene: setting.scene,
         camera: &camera,
         film: &description.film,
-        settings: &settings,
-        guide: None,
+        settings: setting.path,
+        guide: setting.guide,
     };
     let summary = render(&view, film, &limits, &watch);
     watch.finish(film);
@@ -173,6 +219,8 @@ fn measure(
         invalid_samples: film.invalid_samples(),
         load_seconds: 0.0,
         build_seconds: 0.0,
+        train_seconds: 0.0,
+        field_memory_bytes: 0,
         render_seconds: summary.elapsed.as_secs_f64(),
         write_seconds: 0.0,
         peak_memory_bytes: None,

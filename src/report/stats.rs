@@ -41,6 +41,10 @@ pub struct Stats {
     pub load_seconds: f64,
     /// Building the ray tracer's trees and the lights.
     pub build_seconds: f64,
+    /// Learning the field; 0 without one.
+    pub train_seconds: f64,
+    /// Bytes of the learned field; 0 without one.
+    pub field_memory_bytes: u64,
     /// Rendering.
     pub render_seconds: f64,
     /// Writing the images.
