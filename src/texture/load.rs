@@ -59,8 +59,8 @@ impl Plan {
         match self.file.header().pixel_type {
             PixelType::U16 if self.raw => PixelType::Float,
             PixelType::U16 => PixelType::Half,
-            // A power of a half may need more range than a half has.
-            PixelType::Half if matches!(self.curve, Curve::Gamma(_)) => PixelType::Float,
+            // What a curve makes of a half is no half.
+            PixelType::Half if self.curve != Curve::Linear => PixelType::Float,
             t => t,
         }
     }

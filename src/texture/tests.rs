@@ -1,258 +1,279 @@
-//! Image textures against closed forms, and the two ways to hold them against each other.
+//! Image textures as a whole: files on disk against values computed from the same numbers in `f64`.
 
+use super::curve::Curve;
 use super::*;
-use crate::image::curve::srgb_to_linear;
 use crate::image::{Image, PixelType, WriteOptions, write};
+use crate::math::Pcg32;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
-const WIDTH: u32 = 24;
-const HEIGHT: u32 = 10;
+mod opening;
+#[cfg(feature = "oiio")]
+mod residence;
 
-/// 8-bit code of a channel at a texel.
-fn code(x: u32, y: u32, c: u32) -> u8 {
-    ((x * 37 + y * 91 + c * 53) % 256) as u8
-}
+/// More than any test needs.
+const PLENTY: usize = 1 << 28;
 
-/// Writes the test picture as 8-bit sRGB (`oiio`) or as float with the same linear values.
-fn picture(folder: &Path, name: &str) -> PathBuf {
-    let mut image = Image::new(WIDTH, HEIGHT, &["R", "G", "B"]);
-    for (i, x) in image.pixels.iter_mut().enumerate() {
-        let (pixel, c) = (i as u32 / 3, i as u32 % 3);
-        *x = srgb_to_linear(f32::from(code(pixel % WIDTH, pixel / WIDTH, c)) / 255.0);
-    }
-    let path = folder.join(name);
-    let options = WriteOptions {
-        pixel_type: Some(if name.ends_with("png") {
-            PixelType::U8
-        } else {
-            PixelType::Float
-        }),
-        ..WriteOptions::default()
-    };
-    write(&path, &image, &options).expect("the picture is written");
-    path
-}
-
-fn settings(path: PathBuf, filter: Filter, wrap: Wrap) -> BitmapSettings {
+fn settings(path: &Path) -> BitmapSettings {
     BitmapSettings {
-        path,
-        raw: false,
+        path: path.to_owned(),
+        raw: true,
         gamma: None,
-        filter,
-        wrap_u: wrap,
-        wrap_v: wrap,
+        filter: Filter::Linear,
+        wrap_u: Wrap::Repeat,
+        wrap_v: Wrap::Repeat,
         to_uv: UvTransform(glam::Affine2::IDENTITY),
         channel: None,
     }
 }
 
-fn bitmap(store: &TextureStore, settings: BitmapSettings) -> Arc<Bitmap> {
-    match store.open(settings).expect("the texture opens") {
-        Texture::Bitmap(bitmap) => bitmap,
-        other => panic!("{other:?} is no bitmap"),
+fn bitmap(texture: Texture) -> std::sync::Arc<Bitmap> {
+    match texture {
+        Texture::Bitmap(b) => b,
+        other => panic!("{other:?}"),
     }
 }
 
-fn wrap_index(i: i64, n: i64, wrap: Wrap) -> i64 {
+fn opened(settings: BitmapSettings) -> std::sync::Arc<Bitmap> {
+    bitmap(TextureStore::new(PLENTY).open(settings).unwrap())
+}
+
+/// Noise in the named file.
+fn noise(dir: &Path, name: &str, size: [u32; 2], names: &[&str], stored: PixelType) -> PathBuf {
+    let mut rng = Pcg32::new(11, u64::from(size[0]));
+    let mut image = Image::new(size[0], size[1], names);
+    image.pixels.iter_mut().for_each(|x| *x = rng.next_f32());
+    let path = dir.join(name);
+    let options = WriteOptions {
+        pixel_type: Some(stored),
+        ..Default::default()
+    };
+    write(&path, &image, &options).unwrap();
+    path
+}
+
+/// The texel's index along one axis, straight from the definition of the wrap modes.
+fn wrapped_index(i: i64, n: i64, wrap: Wrap) -> i64 {
     match wrap {
         Wrap::Repeat => i.rem_euclid(n),
         Wrap::Clamp => i.clamp(0, n - 1),
         Wrap::Mirror => {
-            let t = i.rem_euclid(2 * n);
-            if t < n { t } else { 2 * n - 1 - t }
+            let j = i.rem_euclid(2 * n);
+            if j < n { j } else { 2 * n - 1 - j }
         }
     }
 }
 
-/// Bilinear interpolation of linear values, written down plainly.
-fn truth(uv: Vec2, wrap: Wrap) -> Rgb {
-    let (x, y) = (uv.x * WIDTH as f32 - 0.5, uv.y * HEIGHT as f32 - 0.5);
-    let texel = |i: f32, j: f32| {
-        let x = wrap_index(i as i64, i64::from(WIDTH), wrap) as u32;
-        let y = wrap_index(j as i64, i64::from(HEIGHT), wrap) as u32;
-        let value = |c| srgb_to_linear(f32::from(code(x, y, c)) / 255.0);
-        Rgb::new(value(0), value(1), value(2))
+/// Bilinear interpolation of linear texels in `f64`.
+fn reference(
+    texel: impl Fn(i64, i64) -> [f64; 3],
+    size: [i64; 2],
+    uv: Vec2,
+    s: &BitmapSettings,
+) -> [f64; 3] {
+    let uv = s.to_uv.0.transform_point2(uv);
+    let clamped = |u: f32, wrap| match wrap {
+        Wrap::Clamp => f64::from(u).clamp(0.0, 1.0),
+        _ => f64::from(u),
     };
+    let x = clamped(uv.x, s.wrap_u) * size[0] as f64 - 0.5;
+    let y = clamped(uv.y, s.wrap_v) * size[1] as f64 - 0.5;
     let (x0, y0) = (x.floor(), y.floor());
-    let top = texel(x0, y0).lerp(texel(x0 + 1.0, y0), x - x0);
-    let bottom = texel(x0, y0 + 1.0).lerp(texel(x0 + 1.0, y0 + 1.0), x - x0);
-    top.lerp(bottom, y - y0)
-}
-
-fn places() -> impl Iterator<Item = Vec2> {
-    let mut rng = crate::math::Pcg32::new(2, 9);
-    (0..2000).map(move |_| Vec2::new(rng.next_f32() * 5.0 - 2.5, rng.next_f32() * 5.0 - 2.5))
-}
-
-/// Enough for all texels, and nothing, which sends every texture to the cache if there is one.
-fn budgets() -> &'static [usize] {
-    if cfg!(feature = "oiio") {
-        &[1 << 30, 0]
-    } else {
-        &[1 << 30]
+    let mut sum = [0.0; 3];
+    for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+        let wx = if dx == 0 { 1.0 - (x - x0) } else { x - x0 };
+        let wy = if dy == 0 { 1.0 - (y - y0) } else { y - y0 };
+        let t = texel(
+            wrapped_index(x0 as i64 + dx, size[0], s.wrap_u),
+            wrapped_index(y0 as i64 + dy, size[1], s.wrap_v),
+        );
+        (0..3).for_each(|c| sum[c] += wx * wy * t[c]);
     }
+    sum
 }
 
-/// Names of the picture for this build: PNG needs OpenImageIO.
-fn names() -> &'static [&'static str] {
-    if cfg!(feature = "oiio") {
-        &["a.exr", "a.png"]
-    } else {
-        &["a.exr"]
+/// Looks up thousands of places and compares with the reference over the stored image.
+fn agrees(path: &Path, s: &BitmapSettings, stored: PixelType, tolerance: f64) {
+    let image = crate::image::read(path).unwrap();
+    let curve = Curve::of(s, stored, false);
+    let n = image.channels.len();
+    let texel = |x: i64, y: i64| {
+        let p = image.pixel(x as u32, y as u32);
+        std::array::from_fn(|c| f64::from(curve.decode(p[c.min(n - 1)])))
+    };
+    let size = [i64::from(image.width), i64::from(image.height)];
+    let bitmap = opened(s.clone());
+    let mut rng = Pcg32::new(2, 3);
+    for _ in 0..20_000 {
+        let uv = Vec2::new(rng.next_f32() * 5.0 - 2.0, rng.next_f32() * 5.0 - 2.0);
+        let truth = reference(texel, size, uv, s);
+        let value = bitmap.eval(&SurfacePoint::at_uv(uv));
+        for c in 0..3 {
+            let error = (f64::from(value[c]) - truth[c]).abs();
+            assert!(error < tolerance, "{s:?} {uv}: {value} for {truth:?}");
+        }
     }
 }
 
 #[test]
-fn lookups_are_bilinear_in_linear_values_for_every_wrap() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    for name in names() {
-        let path = picture(folder.path(), name);
-        for &budget in budgets() {
-            let store = TextureStore::new(budget);
-            for wrap in [Wrap::Repeat, Wrap::Clamp, Wrap::Mirror] {
-                let bitmap = bitmap(&store, settings(path.clone(), Filter::Linear, wrap));
-                assert_eq!(bitmap.is_resident(), budget > 0);
-                for uv in places() {
-                    let difference = (bitmap.eval_uv(uv, 0) - truth(uv, wrap))
-                        .abs()
-                        .max_element();
-                    // The positions are rounded to f32 before they meet texels of contrast 1.
-                    assert!(difference < 2e-5, "{name} {wrap:?} {uv}: {difference}");
-                }
+fn bilinear_look_ups_match_the_definition_in_every_wrap_mode() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = noise(
+        dir.path(),
+        "a.exr",
+        [13, 7],
+        &["R", "G", "B"],
+        PixelType::Float,
+    );
+    let modes = [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp];
+    for (wrap_u, wrap_v) in modes.iter().flat_map(|&u| modes.map(|v| (u, v))) {
+        let s = BitmapSettings {
+            wrap_u,
+            wrap_v,
+            to_uv: UvTransform(glam::Affine2::from_scale_angle_translation(
+                Vec2::new(1.5, 0.75),
+                0.3,
+                Vec2::new(0.1, -0.2),
+            )),
+            ..settings(&path)
+        };
+        // 5 periods of 13 texels: a coordinate's rounding error, times the steepest slope.
+        agrees(&path, &s, PixelType::Float, 3e-5);
+    }
+}
+
+#[cfg(feature = "oiio")]
+#[test]
+fn every_storage_is_made_linear_before_it_is_interpolated() {
+    let dir = tempfile::tempdir().unwrap();
+    for (name, stored) in [
+        ("8.png", PixelType::U8),
+        ("16.png", PixelType::U16),
+        ("half.exr", PixelType::Half),
+        ("float.tif", PixelType::Float),
+    ] {
+        for channels in [&["R", "G", "B"][..], &["Y"]] {
+            let path = noise(dir.path(), name, [32, 9], channels, stored);
+            for (raw, gamma) in [
+                (false, None),
+                (true, None),
+                (false, Some(2.2)),
+                (false, Some(-1.0)),
+            ] {
+                let s = BitmapSettings {
+                    raw,
+                    gamma,
+                    ..settings(&path)
+                };
+                // 16-bit colours are kept as halves, 11 bits of mantissa.
+                let half = stored == PixelType::U16 && !raw;
+                agrees(&path, &s, stored, if half { 3e-4 } else { 3e-5 });
             }
         }
     }
 }
 
 #[test]
-fn nearest_takes_the_texel_itself() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let store = TextureStore::new(1 << 30);
-    let path = picture(folder.path(), "a.exr");
-    let bitmap = bitmap(&store, settings(path, Filter::Nearest, Wrap::Repeat));
-    for y in 0..HEIGHT {
-        for x in 0..WIDTH {
-            let uv = Vec2::new(
-                (x as f32 + 0.3) / WIDTH as f32,
-                (y as f32 + 0.6) / HEIGHT as f32,
-            );
-            assert_eq!(bitmap.eval_uv(uv, 0), bitmap.texel(x, y));
-        }
+fn the_first_row_lies_at_v_0_and_nearest_takes_one_texel() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.exr");
+    let mut image = Image::new(2, 2, &["R", "G", "B"]);
+    image.pixels = vec![1., 0., 0., 0., 1., 0., 0., 0., 1., 1., 1., 1.];
+    write(&path, &image, &WriteOptions::default()).unwrap();
+    let s = BitmapSettings {
+        filter: Filter::Nearest,
+        ..settings(&path)
+    };
+    let bitmap = opened(s);
+    // As Mitsuba 3.9.1 answers for the same image and places.
+    for (u, v, expected) in [
+        (0.25, 0.25, Rgb::X),
+        (0.75, 0.25, Rgb::Y),
+        (0.25, 0.75, Rgb::Z),
+        (1.25, -0.25, Rgb::Z),
+        (1.0, 0.0, Rgb::X),
+    ] {
+        let at = SurfacePoint::at_uv(Vec2::new(u, v));
+        assert_eq!(bitmap.eval(&at), expected, "{u} {v}");
     }
+    assert_eq!(bitmap.texel(0, 1), Rgb::Z);
+    assert_eq!((bitmap.width(), bitmap.height()), (2, 2));
 }
 
 #[test]
-fn coarse_levels_approach_the_mean() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let store = TextureStore::new(1 << 30);
-    let bitmap = bitmap(
-        &store,
-        settings(
-            picture(folder.path(), "a.exr"),
-            Filter::Linear,
-            Wrap::Repeat,
-        ),
-    );
-    let last = bitmap.level_count() - 1;
-    let seen = bitmap.eval_uv(Vec2::new(0.3, 0.8), last);
-    assert!((seen - bitmap.mean()).abs().max_element() < 1e-5);
-    let mut point = SurfacePoint::at_uv(Vec2::new(0.3, 0.8));
-    point.footprint = 100.0;
-    assert_eq!(bitmap.eval(&point), seen);
-    point.footprint = 0.0;
-    assert_eq!(bitmap.eval(&point), bitmap.eval_uv(point.uv, 0));
+fn a_wide_footprint_sees_the_mean_and_a_narrow_one_the_texels() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.exr");
+    let mut image = Image::new(256, 256, &["Y"]);
+    for (i, x) in image.pixels.iter_mut().enumerate() {
+        *x = ((i + i / 256) % 2) as f32;
+    }
+    write(&path, &image, &WriteOptions::default()).unwrap();
+    let bitmap = opened(settings(&path));
+    let at = |footprint| {
+        let point = SurfacePoint {
+            footprint,
+            // A unit of u spans 10 world units, a unit of v 20.
+            dp_du: Vec3::X * 10.0,
+            dp_dv: Vec3::Y * 20.0,
+            ..SurfacePoint::at_uv(Vec2::new(3.5 / 256.0, 8.5 / 256.0))
+        };
+        (bitmap.level_at(&point), bitmap.eval_scalar(&point))
+    };
+    assert_eq!(at(0.0), (0, 1.0));
+    let texel = 20.0 / 256.0;
+    assert_eq!(at(3.9 * texel), (0, 1.0));
+    assert_eq!(at(4.1 * texel), (1, 0.5));
+    assert_eq!(at(16.1 * texel), (3, 0.5));
+    assert_eq!(at(1e9), (8, 0.5));
+    assert_eq!(bitmap.level_count(), 9);
 }
 
 #[test]
-fn a_file_is_held_once_whatever_its_placement() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let store = TextureStore::new(1 << 30);
-    let path = picture(folder.path(), "a.exr");
-    let one = bitmap(&store, settings(path.clone(), Filter::Linear, Wrap::Repeat));
-    let bytes = store.memory_bytes();
-    let mut moved = settings(path.clone(), Filter::Nearest, Wrap::Clamp);
-    moved.to_uv = UvTransform(glam::Affine2::from_scale(Vec2::splat(2.0)));
-    let two = bitmap(&store, moved);
-    assert_eq!((store.file_count(), store.memory_bytes()), (1, bytes));
-    assert_eq!(two.eval_uv(Vec2::new(0.1, 0.2), 0), one.texel(4, 4));
-    let mut green = settings(path, Filter::Nearest, Wrap::Repeat);
-    green.channel = Some("g".into());
-    let green = bitmap(&store, green);
-    assert!(green.is_grey());
-    assert_eq!(green.texel(3, 2).x, one.texel(3, 2).y);
+fn means_are_those_of_the_texels() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = noise(
+        dir.path(),
+        "a.exr",
+        [61, 17],
+        &["R", "G", "B"],
+        PixelType::Float,
+    );
+    let image = crate::image::read(&path).unwrap();
+    let mut mean = glam::DVec3::ZERO;
+    for p in image.rgb() {
+        mean += p.as_dvec3() / f64::from(61 * 17);
+    }
+    let texture = TextureStore::new(PLENTY).open(settings(&path)).unwrap();
+    assert!((texture.mean().as_dvec3() - mean).length() < 1e-6);
+    let twice = Texture::Scale(std::sync::Arc::new((texture, Rgb::splat(2.0))));
+    assert!((twice.mean().as_dvec3() - 2.0 * mean).length() < 2e-6);
 }
 
 #[test]
-fn missing_files_and_channels_are_named() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let store = TextureStore::new(1 << 30);
-    let absent = settings(
-        folder.path().join("absent.png"),
-        Filter::Linear,
-        Wrap::Repeat,
-    );
-    assert!(
-        store
-            .open(absent)
-            .expect_err("absent")
-            .to_string()
-            .contains("absent.png")
-    );
-    let mut odd = settings(
-        picture(folder.path(), "a.exr"),
-        Filter::Linear,
-        Wrap::Repeat,
-    );
-    odd.channel = Some("depth".into());
-    let error = store.open(odd).expect_err("no such channel").to_string();
-    assert!(
-        error.contains("depth") && error.contains("R, G, B"),
-        "{error}"
-    );
-}
-
-#[test]
-fn many_threads_may_open_and_look_up_at_once() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let path = picture(folder.path(), names()[names().len() - 1]);
-    let store = TextureStore::new(budgets()[budgets().len() - 1]);
-    std::thread::scope(|scope| {
-        for _ in 0..4 {
-            scope.spawn(|| {
-                let bitmap = bitmap(&store, settings(path.clone(), Filter::Linear, Wrap::Repeat));
-                for uv in places() {
-                    let difference = bitmap.eval_uv(uv, 0) - truth(uv, Wrap::Repeat);
-                    assert!(difference.abs().max_element() < 2e-5);
-                }
-            });
-        }
-    });
-    assert_eq!(store.file_count(), 1);
-}
-
-#[test]
-fn mesh_attributes_interpolate_and_absent_ones_are_black() {
+fn attributes_of_a_mesh_are_mixed_or_a_faces_own() {
+    let attribute = |name: &str, per_face| MeshAttribute {
+        name: name.into(),
+        per_face,
+        values: vec![Rgb::X, Rgb::Y, Rgb::Z],
+    };
     let attributes = MeshAttributes {
         list: vec![
-            MeshAttribute {
-                name: "vertex_color".into(),
-                per_face: false,
-                values: vec![Rgb::X, Rgb::Y, Rgb::Z],
-            },
-            MeshAttribute {
-                name: "face_color".into(),
-                per_face: true,
-                values: vec![Rgb::ZERO, Rgb::splat(0.25)],
-            },
+            attribute("vertex_color", false),
+            attribute("face_color", true),
         ],
     };
-    let mut point = SurfacePoint::at_uv(Vec2::ZERO);
-    point.attributes = Some(&attributes);
-    (point.vertices, point.prim) = ([2, 0, 1], 1);
-    point.barycentric = Vec2::new(0.5, 0.25);
-    let value = |name: &str| Texture::MeshAttribute(name.into()).eval(&point);
-    assert_eq!(value("vertex_color"), Rgb::new(0.5, 0.25, 0.25));
-    assert_eq!(value("face_color"), Rgb::splat(0.25));
-    assert_eq!(value("vertex_heat"), Rgb::ZERO);
+    let point = SurfacePoint {
+        prim: 2,
+        vertices: [2, 0, 1],
+        barycentric: Vec2::new(0.25, 0.125),
+        attributes: Some(&attributes),
+        ..SurfacePoint::at_uv(Vec2::ZERO)
+    };
+    let eval = |name: &str| Texture::MeshAttribute(name.into()).eval(&point);
+    assert_eq!(eval("vertex_color"), Rgb::new(0.25, 0.125, 0.625));
+    assert_eq!(eval("face_color"), Rgb::Z);
+    assert_eq!(eval("vertex_speed"), Rgb::ZERO);
+    let beyond = SurfacePoint { prim: 3, ..point };
+    let face = Texture::MeshAttribute("face_color".into());
+    assert_eq!(face.eval(&beyond), Rgb::ZERO);
 }
