@@ -10,6 +10,9 @@ use crate::math::{Frame, Vec3};
 use crate::texture::SurfacePoint;
 
 /// What a [`Bsdf`] consists of.
+///
+/// The tree is held in place: a heap allocation at every vertex would cost more than its size.
+#[allow(clippy::large_enum_variant)]
 #[derive(Clone, Debug)]
 pub(super) enum Form {
     /// Diffuse reflection on the side of the frame's normal.

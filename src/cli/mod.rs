@@ -1,1 +1,42 @@
-//! See the module's own page.
+//! The command line: one file a subcommand, and what they share.
+//!
+//! [`args`] says what can be typed and is the manual (`--help`), [`values`] reads the words with a
+//! grammar of their own (`1h30m`, `512M`), [`failure`] decides exit codes. Everything a person reads goes
+//! to standard error through [`console`]; standard output carries only what was asked for.
+
+pub mod args;
+pub mod check;
+pub mod console;
+pub mod failure;
+pub mod info;
+pub mod interrupt;
+pub mod load;
+pub mod memory;
+pub mod output;
+pub mod overrides;
+pub mod preview;
+pub mod progress;
+pub mod render;
+pub mod threads;
+pub mod values;
+
+pub use args::Cli;
+pub use failure::Failure;
+
+use args::Command;
+
+impl Cli {
+    /// Does what the command line asks for.
+    ///
+    /// # Errors
+    /// Whatever ends the program with an exit code other than 0.
+    pub fn run(&self) -> Result<(), Failure> {
+        let console = console::Console::start(&self.talk);
+        threads::start(self.threads)?;
+        match &self.command {
+            Command::Render(args) => render::run(args, &console),
+            Command::Info(args) => info::run(args),
+            Command::Check(args) => check::run(args),
+        }
+    }
+}

@@ -15,6 +15,7 @@
 pub mod atomic;
 pub mod curve;
 pub mod file;
+pub mod mapped;
 #[cfg(feature = "oiio")]
 pub mod oiio;
 #[cfg(any(test, not(feature = "oiio")))]

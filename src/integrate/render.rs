@@ -56,6 +56,10 @@ pub struct Progress {
 pub trait Observer: Sync {
     /// A pass over the whole film is done.
     fn pass_done(&self, progress: &Progress, film: &Film);
+    /// A tile has got `samples` more. Called from many threads at once.
+    fn tile_done(&self, samples: u64) {
+        let _ = samples;
+    }
     /// Asked before every tile: `true` ends the render soon.
     fn should_stop(&self) -> bool;
 }
@@ -205,6 +209,8 @@ impl Job<'_> {
                 let idle = self.waves.lock().map_or(None, |mut w| w.pop());
                 let mut wave = idle.unwrap_or_default();
                 self.render_tile(tile, range.clone(), &mut wave);
+                let samples = (range.end - range.start) * tile.pixels.len() as u64;
+                self.observer.tile_done(samples);
                 if let Ok(mut waves) = self.waves.lock() {
                     waves.push(wave);
                 }

@@ -17,7 +17,7 @@ pub(super) fn load(
     // An exponent given by the scene takes the place of the file's own curve.
     let image = match gamma {
         Some(_) => crate::image::read(path)?,
-        None => crate::image::read_linear(path)?,
+        None => crate::image::file::read_linear(path)?,
     };
     let [width, height] = [image.width, image.height];
     if width == 0 || height < 2 {

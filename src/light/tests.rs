@@ -12,4 +12,5 @@ mod emitting;
 mod mitsuba;
 mod scenes;
 mod sky;
+mod textured;
 mod tree;

@@ -218,8 +218,11 @@ impl Grid {
 /// A number in `[0, 1)` with density `2 lerp(a, b, x) / (a + b)`, for `a`, `b` not negative and not both 0.
 #[inline]
 pub fn sample_linear(a: f32, b: f32, u: f32) -> f32 {
+    // Relative to their sum, so that the squares of tiny weights do not vanish.
+    let a = a / (a + b);
+    let b = 1.0 - a;
     let root = (a * a + u * (b * b - a * a)).max(0.0).sqrt();
-    (u * (a + b) / (a + root).max(f32::MIN_POSITIVE)).min(ONE_BELOW)
+    (u / (a + root).max(f32::MIN_POSITIVE)).min(ONE_BELOW)
 }
 
 #[cfg(test)]

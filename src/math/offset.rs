@@ -14,11 +14,16 @@ pub const fn gamma(n: u32) -> f32 {
     nu / (1.0 - nu)
 }
 
+/// A point that is exact (on a plane through the origin, say) must leave its surface as well, and by
+/// more than a denormal: threads that trace flush those to zero. Next to any other coordinate this vanishes.
+/// Guarded by `an_exact_point_leaves_its_surface`.
+const SMALLEST_OFFSET: f32 = 1e-30;
+
 /// The origin for a ray that leaves `p` (known to within `error` on each axis) in direction `dir`,
 /// off a surface with unit geometric normal `ng` (either orientation).
 #[inline]
 pub fn offset_origin(p: Vec3, error: Vec3, ng: Vec3, dir: Vec3) -> Vec3 {
-    let distance = ng.abs().dot(error);
+    let distance = ng.abs().dot(error).max(SMALLEST_OFFSET);
     let offset = if dir.dot(ng) < 0.0 {
         -ng * distance
     } else {
@@ -47,4 +52,21 @@ fn nudge(x: f32, toward: f32) -> f32 {
     } else {
         x.to_bits() - 1
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_exact_point_leaves_its_surface() {
+        for side in [1.0f32, -1.0] {
+            let dir = Vec3::new(0.6, 0.0, 0.8 * side);
+            let org = offset_origin(Vec3::new(0.3, 0.2, 0.0), Vec3::ZERO, Vec3::Z, dir);
+            assert!(org.z.is_normal() && org.z * side > 0.0, "{org}");
+            assert_eq!((org.x, org.y), (0.3, 0.2));
+            let org = offset_origin(Vec3::new(0.3, 0.2, 5.0), Vec3::ZERO, Vec3::Z, dir);
+            assert!((org.z - 5.0) * side > 0.0, "{org}");
+        }
+    }
 }

@@ -1,1 +1,12 @@
-//! See the module's own page.
+//! What is printed about scenes and renders: the only place that turns measurements into text.
+
+pub mod names;
+pub mod scene;
+pub mod stats;
+pub mod words;
+
+/// Indented JSON with a line's end. Numbers that are not finite become `null`.
+fn json(value: &impl serde::Serialize) -> String {
+    // Structs of numbers and strings: nothing here can refuse.
+    serde_json::to_string_pretty(value).unwrap_or_default() + "\n"
+}

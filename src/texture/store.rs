@@ -88,6 +88,12 @@ impl TextureStore {
         opened.bitmaps.clone()
     }
 
+    /// Number of sets of texels: files, each counted once for every curve or channel it is read with.
+    pub fn file_count(&self) -> usize {
+        let opened = self.opened.lock().unwrap_or_else(PoisonError::into_inner);
+        opened.texels.len()
+    }
+
     fn slot(&self, settings: &BitmapSettings) -> Slot {
         let key = Key {
             path: same_file(&settings.path),

@@ -8,6 +8,16 @@
 //! | `callbacks` | exact shapes and masks |
 //! | `packet`, `single` | rays by sixteens, and one by one |
 //! | `thread` | what Embree wants of a thread that traces |
+//!
+//! Batches go by sixteens with the flag for incoherent rays. On rays that have nothing in common packets
+//! of 1, 4, 8 and 16 are alike, on a wavefront's bounces sixteens were 1.2 times as fast as single rays;
+//! the coherent flag costs a third to a half on bounced rays (`cargo bench --bench accel -- thin`).
+//!
+//! A ray gets the same bits in every packet, on every lane and alone. Embree does not promise that, but
+//! its kernels from SSE2 to AVX-512 keep it, because all of them do the same arithmetic for one ray and
+//! one triangle; `tests/cuts.rs` watches over it.
+//!
+//! Embree is not watertight at vertices, robust or not: see `tests/watertight.rs`.
 
 mod callbacks;
 mod device;

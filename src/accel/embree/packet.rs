@@ -1,6 +1,6 @@
 //! Rays by sixteens: from our rays to Embree's packets and back.
 //!
-//! Every batch is traced by the 16-wide call, the last packet with lanes switched off.
+//! Every batch is traced by the 16-wide call, the last packet with lanes that stand aside.
 
 use super::geometry::Numbers;
 use super::sys::*;

@@ -20,3 +20,19 @@ pub fn prepare_thread() {
         }
     }
 }
+
+#[cfg(all(test, target_arch = "x86_64"))]
+mod tests {
+    use std::hint::black_box;
+
+    #[test]
+    fn a_prepared_thread_flushes_denormals() {
+        let tiny = || black_box(f32::MIN_POSITIVE) * black_box(0.5);
+        let prepared = std::thread::spawn(move || {
+            super::prepare_thread();
+            (tiny(), black_box(1.0f32) / black_box(3.0))
+        });
+        assert_eq!(prepared.join().unwrap(), (0.0, 1.0 / 3.0));
+        assert!(tiny() > 0.0, "only the prepared thread may change");
+    }
+}

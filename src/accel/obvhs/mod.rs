@@ -18,7 +18,6 @@ use super::{
     AccelError, Bounds, BuildSettings, Hit, NO_INSTANCE, Opacity, Ray, RayQuery, World, mask,
 };
 use crate::math::Affine3A;
-use ::obvhs::aabb::Aabb;
 use std::sync::Arc;
 use tree::{Found, LocalRay, Meeting, Tree};
 use walk::Next;
@@ -60,12 +59,7 @@ impl Obvhs {
             .collect();
         let boxes = world.instances.iter().enumerate().filter_map(|(i, p)| {
             let b = groups.get(p.group as usize)?.bounds()?;
-            let b = Bounds {
-                min: b.min.into(),
-                max: b.max.into(),
-            };
-            let b = padded(transformed(b, &p.to_world));
-            Some((i as u32, Aabb::new(b.min.into(), b.max.into())))
+            Some((i as u32, padded(transformed(b, &p.to_world))))
         });
         let tree = Tree::build(&world.geometries, boxes, &settings);
         let placed = world.instances.iter().map(|i| Placed {
@@ -179,7 +173,7 @@ impl RayQuery for Obvhs {
     }
 
     fn name(&self) -> String {
-        "obvhs 0.4".into()
+        "obvhs 0.2".into()
     }
 }
 

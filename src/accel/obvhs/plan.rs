@@ -1,14 +1,13 @@
 //! From geometry to the boxes that a tree is built over.
 
 use super::tree::Item;
-use crate::accel::{BuildQuality, ExactShape, LARGEST, TriangleMesh};
+use crate::accel::{Bounds, BuildQuality, ExactShape, LARGEST, TriangleMesh};
+use crate::math::Vec3;
 use crate::math::rng::hash_all;
-use crate::math::{Vec3, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::cwbvh::{CwBvh, bvh2_to_cwbvh::bvh2_to_cwbvh};
-use obvhs::ploc::PlocBuilder;
 use obvhs::splits::split_aabbs_preset;
 use obvhs::triangle::Triangle;
 use std::sync::Arc;
@@ -45,8 +44,8 @@ pub struct Plan {
 
 impl Plan {
     /// An item and its box; nothing if the box is out of range.
-    pub fn add(&mut self, item: Item, bounds: Aabb) {
-        let limit = Vec3A::splat(LARGEST);
+    pub fn add(&mut self, item: Item, bounds: Bounds) {
+        let limit = Vec3::splat(LARGEST);
         // Comparisons that a NaN fails.
         if !(bounds.min.cmpge(-limit).all() && bounds.max.cmple(limit).all()) {
             return;
@@ -54,20 +53,21 @@ impl Plan {
         let index = self.items.len() as u32;
         self.indices.push(index);
         self.items.push(item);
-        self.boxes.push(bounds);
+        self.boxes.push(aabb(bounds));
     }
 
     /// All triangles of a mesh that can be met.
     pub fn add_mesh(&mut self, mesh: &Arc<TriangleMesh>, part: u32) {
         for prim in 0..mesh.triangles().len() as u32 {
-            let [v0, v1, v2] = mesh.corners(prim).map(Vec3A::from);
-            if !has_area([v0, v1, v2]) {
+            let corners = mesh.corners(prim);
+            if !has_area(corners) {
                 continue;
             }
             let before = self.items.len();
-            let bounds = Aabb::from_points(&[v0, v1, v2]);
+            let bounds = corners.into_iter().fold(Bounds::EMPTY, Bounds::with);
             self.add(Item::Triangle { part, prim }, bounds);
             if self.items.len() > before {
+                let [v0, v1, v2] = corners.map(|c| c.to_array().into());
                 self.triangles.push(Triangle { v0, v1, v2 });
             }
         }
@@ -75,8 +75,7 @@ impl Plan {
 
     /// An exact shape.
     pub fn add_exact(&mut self, shape: &ExactShape, part: u32) {
-        let b = shape.bounds();
-        self.add(Item::Exact { part }, Aabb::new(b.min.into(), b.max.into()));
+        self.add(Item::Exact { part }, shape.bounds());
     }
 
     /// Splits the boxes of long triangles. Called while there are only triangles.
@@ -103,17 +102,14 @@ impl Plan {
         if self.boxes.is_empty() {
             return Built::default();
         }
-        let split = self.boxes.len() > self.items.len();
         let bundled = self.bundle();
-        let mut bvh2 = PlocBuilder::with_capacity(self.boxes.len()).build(
-            params.ploc_search_distance,
+        let mut bvh2 = params.ploc_search_distance.build(
             &self.boxes,
             (0..self.boxes.len() as u32).collect(),
             params.sort_precision,
             params.search_depth_threshold,
         );
-        bvh2.uses_spatial_splits = split;
-        ReinsertionOptimizer::default().run(&mut bvh2, params.reinsertion_batch_ratio, None);
+        ReinsertionOptimizer::run(&mut bvh2, params.reinsertion_batch_ratio, None);
         // Three primitives are the most that a leaf of the compressed tree can hold.
         let mut bvh = bvh2_to_cwbvh(&bvh2, params.max_prims_per_leaf.clamp(1, 3), true, false);
         let order = std::mem::take(&mut bvh.primitive_indices);
@@ -140,7 +136,7 @@ impl Plan {
                 continue;
             }
             let start = bundled.len() as u32;
-            let mut whole = Aabb::INVALID;
+            let mut whole = Aabb::empty();
             for &(_, i) in same {
                 bundled.push(self.items[self.indices[i as usize] as usize]);
                 whole = whole.union(&self.boxes[i as usize]);
@@ -166,15 +162,20 @@ const MOST_EQUAL: usize = 4;
 
 /// A hash of a box's bits. Where two boxes share it by chance, their bundle gets a box around both.
 fn hash_of(b: &Aabb) -> u64 {
-    let bits = |v: Vec3A| v.to_array().map(|c| u64::from(c.to_bits()));
-    let ([a, b, c], [d, e, f]) = (bits(b.min), bits(b.max));
+    let bits = |v: [f32; 3]| v.map(|c| u64::from(c.to_bits()));
+    let ([a, b, c], [d, e, f]) = (bits(b.min.to_array()), bits(b.max.to_array()));
     hash_all([a | b << 32, c | d << 32, e | f << 32])
 }
 
 /// Whether a triangle can be met: finite corners that are not in a line.
-fn has_area(corners: [Vec3A; 3]) -> bool {
-    let [a, b, c] = corners.map(|v| Vec3::from(v).as_dvec3());
+fn has_area(corners: [Vec3; 3]) -> bool {
+    let [a, b, c] = corners.map(|v| v.as_dvec3());
     // NaN and infinity fail the comparison.
     let doubled = (b - a).cross(c - a).length_squared();
     doubled > 0.0 && doubled < f64::INFINITY
+}
+
+/// Our box as obvhs's. Its vectors are of another version of glam than ours: they meet as arrays.
+fn aabb(b: Bounds) -> Aabb {
+    Aabb::new(b.min.to_array().into(), b.max.to_array().into())
 }

@@ -3,9 +3,8 @@
 use super::plan::{Built, Plan, params};
 use super::walk::{BoxRay, Next, walk};
 use super::woop::ShearedRay;
-use crate::accel::{BuildSettings, Geometry, Shape};
+use crate::accel::{Bounds, BuildSettings, Geometry, Shape};
 use crate::math::Vec3;
-use obvhs::aabb::Aabb;
 use obvhs::cwbvh::CwBvh;
 
 /// What a leaf holds.
@@ -48,8 +47,8 @@ pub struct Tree {
     bvh: CwBvh,
     items: Vec<Item>,
     bundled: Vec<Item>,
-    /// The corners of each leaf's triangle, beside each other; empty for compact trees, which look
-    /// them up in the mesh.
+    /// The corners of each leaf's triangle, beside each other; NaN where the leaf is something else.
+    /// Empty for compact trees, which look them up in the mesh.
     corners: Vec<[Vec3; 3]>,
     /// Geometries that [`Item`]s point to.
     pub parts: Vec<Part>,
@@ -92,7 +91,7 @@ impl Tree {
     /// Builds the tree of `geometries`, and of instances by their boxes.
     pub fn build(
         geometries: &[Geometry],
-        instances: impl Iterator<Item = (u32, Aabb)>,
+        instances: impl Iterator<Item = (u32, Bounds)>,
         settings: &BuildSettings,
     ) -> Self {
         let parts: Vec<Part> = geometries
@@ -147,72 +146,81 @@ impl Tree {
         let sheared = ShearedRay::new(ray.org, ray.dir);
         let mut limit = limit;
         walk(&self.bvh, &boxes, limit, |leaf| {
-            let mut next = Next::Within(limit);
             let leaf = leaf as usize;
-            self.each_item(leaf, |item, corners| {
-                if let Some(what) = self.meet(item, corners, ray, &sheared, limit) {
-                    next = found(what, limit);
+            let known = self.corners.get(leaf).filter(|c| !c[0].x.is_nan());
+            if let Some(&corners) = known {
+                // Most triangles are missed, and those need no look at the item.
+                return match sheared.meet(corners) {
+                    Some(hit) => self.report(self.items[leaf], hit, ray, &mut limit, &mut found),
+                    None => Next::Within(limit),
+                };
+            }
+            let item = [self.items[leaf]];
+            let items = match item[0] {
+                Item::Bundle { start, count } => &self.bundled[start as usize..][..count as usize],
+                _ => &item,
+            };
+            for &item in items {
+                let next = self.meet(item, ray, &sheared, &mut limit, &mut found);
+                if let Next::Stop = next {
+                    return Next::Stop;
                 }
-                match next {
-                    Next::Within(new) => {
-                        limit = new;
-                        true
-                    }
-                    Next::Stop => false,
-                }
-            });
-            next
+            }
+            Next::Within(limit)
         });
     }
 
-    /// Calls `visit` for the item of a leaf, or for those of its bundle until it says no.
-    #[inline(always)]
-    fn each_item(&self, leaf: usize, mut visit: impl FnMut(Item, Option<&[Vec3; 3]>) -> bool) {
-        let Item::Bundle { start, count } = self.items[leaf] else {
-            visit(self.items[leaf], self.corners.get(leaf));
-            return;
-        };
-        for item in &self.bundled[start as usize..][..count as usize] {
-            if !visit(*item, None) {
-                return;
-            }
-        }
-    }
-
-    #[inline(always)]
+    /// Meets one item that is not a bundle.
+    #[inline]
     fn meet(
         &self,
         item: Item,
-        corners: Option<&[Vec3; 3]>,
         ray: &LocalRay,
         sheared: &ShearedRay,
-        limit: f32,
-    ) -> Option<Found> {
-        let ((t, u, v), part, prim) = match item {
-            Item::Triangle { part, prim } => {
-                let corners = match corners {
-                    Some(corners) => *corners,
-                    None => corners_of(&self.parts, item),
-                };
-                (sheared.meet(corners)?, part, prim)
-            }
-            Item::Exact { part } => {
-                let Shape::Exact(shape) = &self.parts[part as usize].shape else {
-                    return None;
-                };
-                let hit = shape.intersect(ray.org, ray.dir, ray.tmin, limit)?;
-                (hit, part, 0)
-            }
-            Item::Instance(index) => return Some(Found::Instance(index)),
-            Item::Bundle { .. } => return None,
+        limit: &mut f32,
+        found: &mut impl FnMut(Found, f32) -> Next,
+    ) -> Next {
+        let hit = match item {
+            Item::Triangle { .. } => sheared.meet(corners_of(&self.parts, item)),
+            Item::Exact { part } => match &self.parts[part as usize].shape {
+                Shape::Exact(shape) => shape.intersect(ray.org, ray.dir, ray.tmin, *limit),
+                Shape::Triangles(_) => None,
+            },
+            Item::Instance(index) => return note(found(Found::Instance(index), *limit), limit),
+            Item::Bundle { .. } => None,
         };
-        (t >= ray.tmin && t <= limit).then_some(Found::Surface(Meeting {
+        match hit {
+            Some(hit) => self.report(item, hit, ray, limit, found),
+            None => Next::Within(*limit),
+        }
+    }
+
+    /// Tells the visitor of a surface, if it lies in the ray's range.
+    #[inline]
+    fn report(
+        &self,
+        item: Item,
+        (t, u, v): (f32, f32, f32),
+        ray: &LocalRay,
+        limit: &mut f32,
+        found: &mut impl FnMut(Found, f32) -> Next,
+    ) -> Next {
+        let (part, prim) = match item {
+            Item::Triangle { part, prim } => (part, prim),
+            Item::Exact { part } => (part, 0),
+            Item::Instance(_) | Item::Bundle { .. } => return Next::Within(*limit),
+        };
+        if !(t >= ray.tmin && t <= *limit) {
+            return Next::Within(*limit);
+        }
+        let surface = Found::Surface(Meeting {
             t,
             u,
             v,
             part,
             prim,
-        }))
+        });
+        note(found(surface, *limit), limit)
     }
 
     /// Bytes held, without the meshes.
@@ -223,17 +231,30 @@ impl Tree {
     }
 
     /// The box around everything; none for an empty tree.
-    pub fn bounds(&self) -> Option<Aabb> {
-        (!self.bvh.nodes.is_empty()).then_some(self.bvh.total_aabb)
+    pub fn bounds(&self) -> Option<Bounds> {
+        let whole = &self.bvh.total_aabb;
+        (!self.bvh.nodes.is_empty()).then(|| Bounds {
+            min: whole.min.to_array().into(),
+            max: whole.max.to_array().into(),
+        })
     }
+}
+
+/// Keeps a new limit.
+#[inline]
+fn note(next: Next, limit: &mut f32) -> Next {
+    if let Next::Within(new) = next {
+        *limit = new;
+    }
+    next
 }
 
 fn corners_of(parts: &[Part], item: Item) -> [Vec3; 3] {
     match item {
         Item::Triangle { part, prim } => match &parts[part as usize].shape {
             Shape::Triangles(mesh) => mesh.corners(prim),
-            Shape::Exact(_) => [Vec3::ZERO; 3],
+            Shape::Exact(_) => [Vec3::NAN; 3],
         },
-        _ => [Vec3::ZERO; 3],
+        _ => [Vec3::NAN; 3],
     }
 }

@@ -49,8 +49,8 @@ impl BoxRay {
     /// nearest highest, primitives in the lower 24.
     #[inline(always)]
     fn children(&self, node: &CwBvhNode, limit: f32) -> u32 {
-        let step = node.compute_extent();
-        let to_node = Vec3A::from(node.p) - self.org;
+        let step = Vec3A::from_array(node.e.map(|e| f32::from_bits(u32::from(e) << 23)));
+        let to_node = Vec3A::from_array(node.p.to_array()) - self.org;
         let scale = step * self.inverse;
         let offset = to_node * self.inverse;
         let error = (to_node.abs() + step * STEPS) * self.inverse.abs() * ERROR;

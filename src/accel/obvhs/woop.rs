@@ -5,14 +5,14 @@
 //! by both triangles that share the edge, so no ray slips between them. An edge function of exactly 0 is
 //! computed again in `f64`, where the products of `f32` are exact.
 
-use crate::math::Vec3;
+use crate::math::{Vec3, Vec3A};
+use glam::Mat3A;
 
-/// A ray prepared for triangles: its largest axis, and the shear that straightens it.
+/// A ray prepared for triangles: the map that moves the ray's largest axis to z and straightens it.
 #[derive(Clone, Copy, Debug)]
 pub struct ShearedRay {
-    org: Vec3,
-    axes: [usize; 3],
-    shear: [f32; 3],
+    org: Vec3A,
+    map: Mat3A,
 }
 
 impl ShearedRay {
@@ -32,19 +32,21 @@ impl ShearedRay {
         if dir[z] < 0.0 {
             std::mem::swap(&mut x, &mut y);
         }
+        // x' = x - z dx/dz, y' = y - z dy/dz, z' = z/dz: the ones and zeros multiply exactly.
+        let mut columns = [Vec3A::ZERO; 3];
+        columns[x] = Vec3A::X;
+        columns[y] = Vec3A::Y;
+        columns[z] = Vec3A::new(-dir[x] / dir[z], -dir[y] / dir[z], 1.0 / dir[z]);
         Self {
-            org,
-            axes: [x, y, z],
-            shear: [dir[x] / dir[z], dir[y] / dir[z], 1.0 / dir[z]],
+            org: org.into(),
+            map: Mat3A::from_cols(columns[0], columns[1], columns[2]),
         }
     }
 
-    /// `(x, y, z)` of a vertex in the sheared space, z not yet scaled.
+    /// `(x, y, z)` of a vertex in the sheared space: the same bits in every triangle that has it.
     #[inline]
     fn shear(&self, vertex: Vec3) -> (f32, f32, f32) {
-        let v = vertex - self.org;
-        let [x, y, z] = self.axes.map(|axis| v[axis]);
-        (x - self.shear[0] * z, y - self.shear[1] * z, z)
+        (self.map * (Vec3A::from(vertex) - self.org)).into()
     }
 
     /// `(t, u, v)` where the line meets the triangle, from either side.
@@ -67,7 +69,7 @@ impl ShearedRay {
             return None;
         }
         let inverse = 1.0 / det;
-        let t = (wa * az + wb * bz + wc * cz) * self.shear[2] * inverse;
+        let t = (wa * az + wb * bz + wc * cz) * inverse;
         Some((t, wb * inverse, wc * inverse))
     }
 }

@@ -84,7 +84,8 @@ impl Input {
         };
         let name = |c| {
             // SAFETY: the input is open, and the string is copied at once.
-            copied(unsafe { ffi::twt_input_channel(self.0.as_ptr(), c) })
+            let name = unsafe { ffi::twt_input_channel(self.0.as_ptr(), c) };
+            copied(name)
         };
         let channels = (0..info.channels).map(|c| Channel::new(name(c))).collect();
         Ok(Header {

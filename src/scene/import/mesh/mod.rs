@@ -15,7 +15,6 @@
 
 mod clean;
 mod crease;
-mod mapped;
 mod normals;
 mod obj;
 mod ply;
@@ -26,6 +25,7 @@ mod tests;
 mod text;
 
 use super::ImportError;
+use crate::image::mapped;
 use crate::math::{DAffine3, DVec3, Vec2, Vec3};
 use crate::scene::description::Mesh;
 use crate::texture::MeshAttribute;
@@ -105,7 +105,12 @@ pub struct Loaded {
 /// is not of the format, ends early, names vertices that it does not have, holds a position that is
 /// not finite, or has no triangle.
 pub fn load(path: &Path, kind: MeshKind, options: &MeshOptions) -> Result<Loaded, ImportError> {
-    let data = mapped::open(path)?;
+    let data = mapped::open(path).map_err(|e| ImportError {
+        at: None,
+        file: Some(path.to_owned()),
+        message: format!("cannot be read: {e}"),
+        help: None,
+    })?;
     read(&data, kind, options, path)
 }
 

@@ -1,12 +1,15 @@
-//! The file as a slice of memory, without a copy: a mesh of gigabytes is read once, by all threads.
+//! A file as a slice of memory, without a copy: a mesh of gigabytes is read once, by all threads.
+//!
+//! It stands here, with the images, because this is the room for code that leaves Rust's guarantees.
 
-use super::ImportError;
 use std::fs::File;
 use std::ops::Deref;
 use std::path::Path;
 
 /// The bytes of a file.
-pub(super) enum Mapped {
+#[derive(Debug)]
+pub enum Mapped {
+    /// Mapped into memory.
     Map(memmap2::Mmap),
     /// A file of no bytes cannot be mapped.
     Empty,
@@ -24,17 +27,14 @@ impl Deref for Mapped {
 }
 
 /// Maps the file `path`.
-pub(super) fn open(path: &Path) -> Result<Mapped, ImportError> {
-    let fail = |e: std::io::Error| ImportError {
-        at: None,
-        file: Some(path.to_owned()),
-        message: format!("cannot be read: {e}"),
-        help: None,
-    };
-    let file = File::open(path).map_err(fail)?;
-    let meta = file.metadata().map_err(fail)?;
+///
+/// # Errors
+/// When it cannot be opened or is a directory.
+pub fn open(path: &Path) -> std::io::Result<Mapped> {
+    let file = File::open(path)?;
+    let meta = file.metadata()?;
     if meta.is_dir() {
-        return Err(fail(std::io::Error::other("it is a directory")));
+        return Err(std::io::Error::other("it is a directory"));
     }
     if meta.len() == 0 {
         return Ok(Mapped::Empty);
@@ -42,6 +42,6 @@ pub(super) fn open(path: &Path) -> Result<Mapped, ImportError> {
     // SAFETY: the map is read only and lives no longer than the load. Bytes that another program
     // changes meanwhile are as good as any other bytes to the readers, which trust none; only a file
     // cut short during the load would end the process (SIGBUS), as with every mapped file.
-    let map = unsafe { memmap2::Mmap::map(&file) }.map_err(fail)?;
+    let map = unsafe { memmap2::Mmap::map(&file) }?;
     Ok(Mapped::Map(map))
 }

@@ -1,0 +1,356 @@
+//! What can be typed: the single source of parsing and of `--help`.
+
+use super::values::{self, Crop, Definition, Depth, Preview};
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// A physically based renderer that learns where light comes from before it renders.
+#[derive(Parser, Debug)]
+#[command(
+    name = "twintree",
+    version,
+    max_term_width = 100,
+    arg_required_else_help = true
+)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+    /// How much to say.
+    #[command(flatten)]
+    pub talk: TalkArgs,
+    /// Threads that load, build and render [default: all that the machine has]
+    #[arg(short = 'j', long, global = true, value_name = "N",
+          value_parser = clap::value_parser!(u16).range(1..), help_heading = "Machine")]
+    pub threads: Option<u16>,
+}
+
+/// The subcommands.
+#[derive(Subcommand, Debug)]
+pub enum Command {
+    /// Render a scene to an image
+    Render(Box<RenderArgs>),
+    /// Show what is in a scene
+    Info(InfoArgs),
+    /// Load a scene and say what is wrong with it; nothing is rendered
+    Check(CheckArgs),
+}
+
+/// How much to say.
+#[derive(Args, Debug)]
+pub struct TalkArgs {
+    /// Print errors only
+    #[arg(short, long, global = true, help_heading = "Messages")]
+    pub quiet: bool,
+    /// Least important messages that are printed
+    #[arg(
+        long,
+        global = true,
+        value_name = "LEVEL",
+        default_value = "info",
+        help_heading = "Messages"
+    )]
+    pub log_level: LogLevel,
+}
+
+/// Importance of a message.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum LogLevel {
+    /// What ends the program.
+    Error,
+    /// What is odd.
+    Warn,
+    /// What is done.
+    Info,
+    /// How it is done.
+    Debug,
+}
+
+/// Which scene, and how to read it.
+#[derive(Args, Debug)]
+pub struct SceneArgs {
+    /// Scene file (Mitsuba XML)
+    pub scene: PathBuf,
+    /// Value of a $key in the scene; can be given often
+    #[arg(
+        short = 'D',
+        long = "define",
+        value_name = "KEY=VALUE",
+        help_heading = "Scene"
+    )]
+    pub define: Vec<Definition>,
+    /// Put something plain in the place of what is not supported, with a warning, instead of giving up
+    #[arg(long, help_heading = "Scene")]
+    pub lenient: bool,
+    /// Memory for texels, such as 512M or 2G: what does not fit is read again when needed
+    #[arg(long, value_name = "BYTES", default_value = "2G", value_parser = values::bytes, help_heading = "Machine")]
+    pub texture_memory: usize,
+}
+
+/// Arguments of `twintree info`.
+#[derive(Args, Debug)]
+pub struct InfoArgs {
+    /// Scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `twintree check`.
+#[derive(Args, Debug)]
+pub struct CheckArgs {
+    /// Scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+}
+
+/// Arguments of `twintree render`.
+#[derive(Args, Debug)]
+pub struct RenderArgs {
+    /// Files.
+    #[command(flatten)]
+    pub files: FileArgs,
+    /// When to stop.
+    #[command(flatten)]
+    pub stop: StopArgs,
+    /// Scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Picture.
+    #[command(flatten)]
+    pub picture: PictureArgs,
+    /// Light transport.
+    #[command(flatten)]
+    pub light: LightArgs,
+    /// Ray tracer [default: embree, where it was compiled in]
+    #[arg(long, value_name = "NAME", help_heading = "Machine")]
+    pub accel: Option<Accel>,
+    /// Show the image while it renders, in the viewer tev (tev=host:port if it runs elsewhere)
+    #[arg(long, value_name = "tev[=HOST:PORT]", help_heading = "Messages")]
+    pub preview: Option<Preview>,
+}
+
+/// What is written, and how.
+#[derive(Args, Debug)]
+pub struct FileArgs {
+    /// Image to write; the name's end says how: .exr .hdr .tif .png .jpg. Can be given often
+    /// [default: the scene's name with .exr, in the current directory]
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    pub output: Vec<PathBuf>,
+    /// Further layers of an EXR
+    #[arg(
+        long,
+        value_name = "LAYERS",
+        value_delimiter = ',',
+        default_value = "none",
+        help_heading = "Output"
+    )]
+    pub aov: Vec<Aov>,
+    /// Numbers of an EXR: 16 or 32 bits
+    #[arg(
+        long,
+        value_name = "TYPE",
+        default_value = "half",
+        help_heading = "Output"
+    )]
+    pub format: NumberFormat,
+    /// Compression of an EXR; dwaa is lossy
+    #[arg(
+        long,
+        value_name = "NAME",
+        default_value = "zip",
+        help_heading = "Output"
+    )]
+    pub compression: Packing,
+    /// Write an EXR in tiles
+    #[arg(long, help_heading = "Output")]
+    pub tiled: bool,
+    /// Brightness of .png and .jpg, as a power of two [default: the scene's]
+    #[arg(
+        long,
+        value_name = "STOPS",
+        allow_negative_numbers = true,
+        help_heading = "Output"
+    )]
+    pub exposure: Option<f32>,
+    /// Write measurements as JSON
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub stats: Option<PathBuf>,
+}
+
+/// When to stop: whichever comes first.
+#[derive(Args, Debug)]
+pub struct StopArgs {
+    /// Stop after N samples a pixel [default: the scene's number, or none with --time or --noise]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), help_heading = "Stop at whichever comes first")]
+    pub spp: Option<u64>,
+    /// Stop after this time of rendering: 90, 120s, 2m, 1h30m
+    #[arg(long, value_name = "TIME", value_parser = values::duration, help_heading = "Stop at whichever comes first")]
+    pub time: Option<Duration>,
+    /// Stop at this noise: the expected root of the relative mean squared error
+    #[arg(long, value_name = "NOISE", value_parser = values::noise, allow_negative_numbers = true, help_heading = "Stop at whichever comes first")]
+    pub noise: Option<f32>,
+}
+
+/// Size and filter of the picture.
+#[derive(Args, Debug)]
+pub struct PictureArgs {
+    /// Width in pixels; alone it keeps the scene's proportions
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=MAX_SIDE), help_heading = "Picture")]
+    pub width: Option<u32>,
+    /// Height in pixels; alone it keeps the scene's proportions
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=MAX_SIDE), help_heading = "Picture")]
+    pub height: Option<u32>,
+    /// Render this part only, upper bounds not included
+    #[arg(long, value_name = "X0,Y0,X1,Y1", help_heading = "Picture")]
+    pub crop: Option<Crop>,
+    /// Reconstruction filter [default: the scene's]
+    #[arg(long, value_name = "NAME", help_heading = "Picture")]
+    pub rfilter: Option<RFilter>,
+}
+
+/// Longest side of a film: no image format reaches further.
+const MAX_SIDE: i64 = 1 << 17;
+
+/// Light transport and its random numbers.
+#[derive(Args, Debug)]
+pub struct LightArgs {
+    /// Longest path, in edges: 1 is emitters alone, 2 adds direct light; or "unlimited" [default: the scene's]
+    #[arg(
+        long,
+        value_name = "N",
+        allow_hyphen_values = true,
+        help_heading = "Light transport"
+    )]
+    pub max_depth: Option<Depth>,
+    /// Depth at which Russian roulette begins [default: the scene's]
+    #[arg(long, value_name = "N", help_heading = "Light transport")]
+    pub rr_depth: Option<u32>,
+    /// Where the samples go [default: the scene's]
+    #[arg(long, value_name = "NAME", help_heading = "Light transport")]
+    pub sampler: Option<Sampler>,
+    /// Seed of all random numbers: the same seed gives the same bits, whatever the number of threads
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 0,
+        help_heading = "Light transport"
+    )]
+    pub seed: u64,
+    /// How directions are guided towards light
+    #[arg(
+        long,
+        value_name = "NAME",
+        default_value = "none",
+        help_heading = "Light transport"
+    )]
+    pub guide: Guide,
+    /// Photon paths that teach the field, with --guide double
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 2_000_000,
+        help_heading = "Light transport"
+    )]
+    pub photons: u64,
+    /// Batches they come in, each twice as large as the one before
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=32), help_heading = "Light transport")]
+    pub batches: u32,
+    /// Memory for the field while it is learned, such as 64M
+    #[arg(long, value_name = "BYTES", default_value = "256M", value_parser = values::bytes, help_heading = "Light transport")]
+    pub guide_memory: usize,
+    /// Emitters are not seen by the camera itself
+    #[arg(long, help_heading = "Light transport")]
+    pub hide_emitters: bool,
+    /// Drop light that crosses a surface only by its interpolated normal
+    #[arg(long, help_heading = "Light transport")]
+    pub strict_normals: bool,
+}
+
+/// A layer beside the picture.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Aov {
+    /// Reflectance of the first surface
+    Albedo,
+    /// Its shading normal, world space
+    Normal,
+    /// Its distance
+    Depth,
+    /// Variance of each pixel's mean
+    Variance,
+    /// Samples of each pixel
+    Samples,
+    /// Every layer
+    All,
+    /// The picture alone
+    None,
+}
+
+/// Width of an EXR's numbers.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NumberFormat {
+    /// 16 bits
+    Half,
+    /// 32 bits
+    Float,
+}
+
+/// Compression of an EXR.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Packing {
+    /// Not compressed
+    None,
+    /// Deflate, lossless
+    Zip,
+    /// Wavelets, lossless
+    Piz,
+    /// Cosine transform, lossy
+    Dwaa,
+}
+
+/// Reconstruction filters.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RFilter {
+    /// One pixel, constant
+    Box,
+    /// Linear falloff over one pixel
+    Tent,
+    /// Standard deviation 0.5
+    Gaussian,
+    /// Mitchell and Netravali
+    Mitchell,
+    /// Catmull and Rom
+    Catmullrom,
+    /// Windowed sinc of three lobes
+    Lanczos,
+}
+
+/// Samplers.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sampler {
+    /// Independent random numbers
+    Independent,
+    /// Owen-scrambled Sobol points
+    Sobol,
+}
+
+/// Ray tracers.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Accel {
+    /// Debian's Embree
+    Embree,
+    /// A tree in pure Rust
+    Obvhs,
+}
+
+/// Ways of guiding.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Guide {
+    /// Plain path tracing
+    None,
+    /// A double hierarchy, learned from photons before rendering
+    Double,
+}

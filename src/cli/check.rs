@@ -1,0 +1,19 @@
+//! `twintree check`: is the scene all right?
+
+use super::args::CheckArgs;
+use super::{Failure, console, load};
+
+/// Loads the scene; its warnings are logged on the way.
+///
+/// # Errors
+/// When the scene cannot be used.
+pub fn run(args: &CheckArgs) -> Result<(), Failure> {
+    let scene = args.scene.scene.display();
+    let loaded = load::load(&args.scene)?;
+    let verdict = match loaded.description.warnings.len() {
+        0 => "no warnings".to_owned(),
+        1 => "1 warning".to_owned(),
+        n => format!("{n} warnings"),
+    };
+    console::print_result(&format!("{scene}: {verdict}\n"))
+}

@@ -1,0 +1,173 @@
+//! Messages for the person at the terminal, on standard error.
+//!
+//! Logging goes through `tracing`; this is what makes lines of it: `warning: ...`, `error: ...`, and
+//! plain sentences for what is merely told. Lines move a progress bar out of their way.
+
+use super::args::{LogLevel, TalkArgs};
+use indicatif::MultiProgress;
+use std::fmt::Write as _;
+use std::io::{IsTerminal, Write};
+use tracing::field::{Field, Visit};
+use tracing::level_filters::LevelFilter;
+use tracing::{Event, Level, Subscriber};
+use tracing_subscriber::fmt::format::Writer;
+use tracing_subscriber::fmt::{FmtContext, FormatEvent, FormatFields, MakeWriter};
+use tracing_subscriber::registry::LookupSpan;
+
+/// Where messages and progress go.
+#[derive(Clone)]
+pub struct Console {
+    bars: MultiProgress,
+    level: LogLevel,
+}
+
+impl Console {
+    /// Starts logging at the level asked for.
+    pub fn start(talk: &TalkArgs) -> Self {
+        let level = if talk.quiet {
+            LogLevel::Error
+        } else {
+            talk.log_level
+        };
+        let console = Self {
+            bars: MultiProgress::new(),
+            level,
+        };
+        let filter = match level {
+            LogLevel::Error => LevelFilter::ERROR,
+            LogLevel::Warn => LevelFilter::WARN,
+            LogLevel::Info => LevelFilter::INFO,
+            LogLevel::Debug => LevelFilter::DEBUG,
+        };
+        let subscriber = tracing_subscriber::fmt()
+            .with_max_level(filter)
+            .event_format(Sentence)
+            .with_writer(console.clone())
+            .finish();
+        // Fails only where a program that embeds this one has set its own subscriber: then that one counts.
+        let _ = tracing::subscriber::set_global_default(subscriber);
+        console
+    }
+
+    /// Whether progress is to be shown at all.
+    pub fn shows_progress(&self) -> bool {
+        self.level >= LogLevel::Info
+    }
+
+    /// Whether standard error is a terminal that can show a bar.
+    pub fn has_terminal(&self) -> bool {
+        std::io::stderr().is_terminal()
+    }
+
+    /// The progress bars.
+    pub fn bars(&self) -> &MultiProgress {
+        &self.bars
+    }
+}
+
+impl Write for Console {
+    fn write(&mut self, line: &[u8]) -> std::io::Result<usize> {
+        self.bars
+            .suspend(|| std::io::stderr().write_all(line))
+            .map(|()| line.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        std::io::stderr().flush()
+    }
+}
+
+impl MakeWriter<'_> for Console {
+    type Writer = Self;
+
+    fn make_writer(&self) -> Self {
+        self.clone()
+    }
+}
+
+/// Formats an event as a sentence: its importance where that matters, the message, its fields.
+struct Sentence;
+
+impl<S, N> FormatEvent<S, N> for Sentence
+where
+    S: Subscriber + for<'a> LookupSpan<'a>,
+    N: for<'a> FormatFields<'a> + 'static,
+{
+    fn format_event(
+        &self,
+        _: &FmtContext<'_, S, N>,
+        mut writer: Writer<'_>,
+        event: &Event<'_>,
+    ) -> std::fmt::Result {
+        let mut text = Text::default();
+        event.record(&mut text);
+        let level = *event.metadata().level();
+        if level == Level::ERROR {
+            writer.write_str("error: ")?;
+        } else if level == Level::WARN {
+            writer.write_str("warning: ")?;
+        } else if level >= Level::DEBUG {
+            write!(writer, "debug: {}: ", event.metadata().target())?;
+        }
+        writeln!(writer, "{}{}", text.message, text.fields)
+    }
+}
+
+/// The message of an event and the fields beside it.
+#[derive(Default)]
+struct Text {
+    message: String,
+    fields: String,
+}
+
+impl Visit for Text {
+    fn record_debug(&mut self, field: &Field, value: &dyn std::fmt::Debug) {
+        // Writing to a string cannot fail.
+        let _ = if field.name() == "message" {
+            write!(self.message, "{value:?}")
+        } else {
+            write!(self.fields, " {}={value:?}", field.name())
+        };
+    }
+}
+
+/// Prints an error. Also works where logging was never started; a closed standard error is ignored.
+pub fn print_error(text: &str) {
+    let _ = writeln!(std::io::stderr(), "error: {text}");
+}
+
+/// Prints `text` on standard output. A reader that has gone (`twintree info ... | head`) is no error.
+///
+/// # Errors
+/// When standard output refuses for another reason.
+pub fn print_result(text: &str) -> Result<(), super::Failure> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(super::Failure::Refused(
+            format!("standard output cannot be written: {e}"),
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// Makes a panic an error message that asks for a report.
+pub fn report_panics() {
+    std::panic::set_hook(Box::new(|info| {
+        let payload = info.payload();
+        let owned = payload.downcast_ref::<String>().map(String::as_str);
+        let what = owned.or_else(|| payload.downcast_ref::<&str>().copied());
+        let what = what.unwrap_or("no message");
+        let place = info.location().map(ToString::to_string);
+        let place = place.unwrap_or_else(|| "an unknown place".into());
+        let backtrace = std::backtrace::Backtrace::capture();
+        let mut text = format!(
+            "internal error at {place}: {what}\n  help: this is a bug in twintree {}: please report it with \
+             this message, the command line and the scene",
+            env!("CARGO_PKG_VERSION")
+        );
+        if backtrace.status() == std::backtrace::BacktraceStatus::Captured {
+            let _ = write!(text, "\n{backtrace}");
+        }
+        print_error(&text);
+    }));
+}

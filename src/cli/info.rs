@@ -1,0 +1,21 @@
+//! `twintree info`: what is in a scene.
+
+use super::args::InfoArgs;
+use super::{Failure, console, load};
+use crate::report::scene::SceneReport;
+
+/// Loads the scene and prints what is in it.
+///
+/// # Errors
+/// When the scene cannot be used.
+pub fn run(args: &InfoArgs) -> Result<(), Failure> {
+    let loaded = load::load(&args.scene)?;
+    let scene = args.scene.scene.display().to_string();
+    let report = SceneReport::of(&scene, &loaded.description, loaded.textures());
+    let text = if args.json {
+        report.to_json()
+    } else {
+        report.to_table()
+    };
+    console::print_result(&text)
+}

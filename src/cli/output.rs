@@ -1,0 +1,190 @@
+//! The files that a render writes: tried before the work, written after it.
+
+use super::Failure;
+use super::args::{Aov, FileArgs, NumberFormat, Packing};
+use crate::film::Film;
+use crate::film::layers::{Layers, Metadata};
+use crate::image::{self, Compression, Format, Image, PixelType, WriteOptions, atomic};
+use std::path::{Path, PathBuf};
+
+/// What will be written.
+#[derive(Debug)]
+pub struct Outputs {
+    images: Vec<PathBuf>,
+    stats: Option<PathBuf>,
+}
+
+impl Outputs {
+    /// Decides the names and tries every one of them: a render of an hour must not end at a typing error.
+    ///
+    /// # Errors
+    /// When a name has no known format, or its directory cannot be written.
+    pub fn plan(args: &FileArgs, scene: &Path) -> Result<Self, Failure> {
+        let images = if args.output.is_empty() {
+            vec![default_name(scene)?]
+        } else {
+            args.output.clone()
+        };
+        for path in &images {
+            Format::of(path)?;
+            check_compiled(path)?;
+        }
+        for path in images.iter().chain(&args.stats) {
+            try_directory(path)?;
+        }
+        Ok(Self {
+            images,
+            stats: args.stats.clone(),
+        })
+    }
+
+    /// The first image's name, for viewers.
+    pub fn title(&self) -> String {
+        self.images
+            .first()
+            .map_or_else(String::new, |p| p.display().to_string())
+    }
+
+    /// Writes all images, and goes on with the others where one fails.
+    ///
+    /// # Errors
+    /// Everything that failed.
+    pub fn write_images(
+        &self,
+        film: &Film,
+        args: &FileArgs,
+        exposure: f32,
+        metadata: &Metadata,
+    ) -> Result<(), Failure> {
+        let picture = film.image(layers_of(&args.aov), metadata);
+        let options = WriteOptions {
+            pixel_type: None,
+            compression: match args.compression {
+                Packing::None => Compression::None,
+                Packing::Zip => Compression::Zip,
+                Packing::Piz => Compression::Piz,
+                Packing::Dwaa => Compression::Dwaa,
+            },
+            tiled: args.tiled,
+            exposure,
+        };
+        let mut failures = Vec::new();
+        for path in &self.images {
+            let mut options = options.clone();
+            if Format::of(path) == Ok(Format::Exr) {
+                options.pixel_type = Some(match args.format {
+                    NumberFormat::Half => PixelType::Half,
+                    NumberFormat::Float => PixelType::Float,
+                });
+            } else if Format::of(path) == Ok(Format::Jpeg) {
+                options.compression = Compression::Default;
+            }
+            match image::write(path, &picture, &options) {
+                Ok(()) => tracing::info!("wrote {}", path.display()),
+                Err(e) => failures.push(match rescue(path, &picture, &options) {
+                    Some(kept) => format!("{e}\n  help: the image is kept in {}", kept.display()),
+                    None => e.to_string(),
+                }),
+            }
+        }
+        if failures.is_empty() {
+            return Ok(());
+        }
+        Err(Failure::Refused(failures.join("\nerror: ")))
+    }
+
+    /// Writes the measurements, if they were asked for.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write_stats(&self, json: &str) -> Result<(), Failure> {
+        let Some(path) = &self.stats else {
+            return Ok(());
+        };
+        atomic::replace(path, |file| {
+            std::fs::write(file, json).map_err(|e| e.to_string())
+        })
+        .map_err(|e| Failure::Refused(e.to_string()))
+    }
+}
+
+/// Writes an image that cannot go where it should (the disk is full, the directory has gone) to the
+/// directory for temporary files: hours of work may be in it.
+fn rescue(path: &Path, picture: &Image, options: &WriteOptions) -> Option<PathBuf> {
+    let name = path.file_name()?.to_string_lossy();
+    let name = format!("twintree-{}-{name}", std::process::id());
+    let kept = std::env::temp_dir().join(name);
+    image::write(&kept, picture, options).ok().map(|()| kept)
+}
+
+/// The scene's name with `.exr`, in the current directory.
+fn default_name(scene: &Path) -> Result<PathBuf, Failure> {
+    let stem = scene.file_stem().ok_or_else(|| {
+        let help = "name a scene file such as scene.xml";
+        Failure::wrong(
+            format!("{} is not the name of a file", scene.display()),
+            help,
+        )
+    })?;
+    let mut name = stem.to_owned();
+    name.push(".exr");
+    Ok(name.into())
+}
+
+/// Without OpenImageIO only EXR can be written.
+fn check_compiled(path: &Path) -> Result<(), Failure> {
+    if cfg!(feature = "oiio") || Format::of(path) == Ok(Format::Exr) {
+        return Ok(());
+    }
+    Err(Failure::wrong(
+        format!("{}: this build writes .exr only", path.display()),
+        "compile with the feature \"oiio\" for other formats",
+    ))
+}
+
+/// Makes and removes a file in the directory where `path` is to be.
+fn try_directory(path: &Path) -> Result<(), Failure> {
+    let directory = match path.parent() {
+        Some(d) if !d.as_os_str().is_empty() => d,
+        _ => Path::new("."),
+    };
+    if path.is_dir() {
+        let help = "name a file in it";
+        return Err(Failure::refused(
+            format!("{} is a directory", path.display()),
+            help,
+        ));
+    }
+    if !directory.is_dir() {
+        return Err(Failure::refused(
+            format!(
+                "{} cannot be written: there is no directory {}",
+                path.display(),
+                directory.display()
+            ),
+            format!("make it with: mkdir -p {}", directory.display()),
+        ));
+    }
+    tempfile::Builder::new()
+        .prefix(".twintree-")
+        .tempfile_in(directory)
+        .map(drop)
+        .map_err(|e| {
+            Failure::refused(
+                format!("{} cannot be written: {e}", path.display()),
+                format!("choose a directory other than {}", directory.display()),
+            )
+        })
+}
+
+/// The layers that were asked for beside the picture.
+fn layers_of(asked: &[Aov]) -> Layers {
+    let has = |aov| asked.contains(&aov) || asked.contains(&Aov::All);
+    Layers {
+        albedo: has(Aov::Albedo),
+        normal: has(Aov::Normal),
+        depth: has(Aov::Depth),
+        variance: has(Aov::Variance),
+        samples: has(Aov::Samples),
+    }
+}

@@ -1,0 +1,221 @@
+//! What the command line changes about a scene.
+
+use super::args::{Guide, LightArgs, PictureArgs, RFilter, RenderArgs, Sampler, StopArgs};
+use super::{Failure, memory};
+use crate::film::filter::Filter;
+use crate::film::{FilmDescription, Pixel};
+use crate::integrate::PathSettings;
+use crate::integrate::learn::LearnSettings;
+use crate::integrate::render::Limits;
+use crate::photon::PhotonSettings;
+use crate::scene::Description;
+use crate::scene::description::{RenderDescription, SamplerKind};
+
+/// Applies the command line to the scene's film.
+///
+/// # Errors
+/// When the crop does not fit, or the film does not fit into memory.
+pub fn apply_to_film(args: &RenderArgs, description: &mut Description) -> Result<(), Failure> {
+    let film = &mut description.film;
+    resize(film, args.picture.width, args.picture.height);
+    crop(film, &args.picture)?;
+    if let Some(filter) = args.picture.rfilter {
+        film.filter = filter_of(filter);
+    }
+    if let Some(exposure) = args.files.exposure {
+        film.exposure = exposure;
+    }
+    check_memory(film)
+}
+
+/// Sets the size; one side alone keeps the proportions. The scene's own crop grows with the film.
+fn resize(film: &mut FilmDescription, width: Option<u32>, height: Option<u32>) {
+    let (old_width, old_height) = (film.width, film.height);
+    let scaled = |side: u32, by: u32, of: u32| {
+        let exact = f64::from(side) * f64::from(by) / f64::from(of);
+        (exact.round() as u32).max(1)
+    };
+    (film.width, film.height) = match (width, height) {
+        (None, None) => return,
+        (Some(w), Some(h)) => (w, h),
+        (Some(w), None) => (w, scaled(old_height, w, old_width)),
+        (None, Some(h)) => (scaled(old_width, h, old_height), h),
+    };
+    film.crop = film.crop.map(|[x0, y0, x1, y1]| {
+        let along = |at: u32, new: u32, old: u32| {
+            (f64::from(at) * f64::from(new) / f64::from(old)).round() as u32
+        };
+        let (w, h) = (film.width, film.height);
+        let (x0, y0) = (
+            along(x0, w, old_width).min(w - 1),
+            along(y0, h, old_height).min(h - 1),
+        );
+        let (x1, y1) = (along(x1, w, old_width), along(y1, h, old_height));
+        [x0, y0, x1.clamp(x0 + 1, w), y1.clamp(y0 + 1, h)]
+    });
+}
+
+fn crop(film: &mut FilmDescription, args: &PictureArgs) -> Result<(), Failure> {
+    let Some(crop) = args.crop else { return Ok(()) };
+    let [_, _, x1, y1] = crop.0;
+    if x1 > film.width || y1 > film.height {
+        let [x0, y0, ..] = crop.0;
+        return Err(Failure::wrong(
+            format!(
+                "--crop {x0},{y0},{x1},{y1} reaches beyond the film of {} x {} pixels",
+                film.width, film.height
+            ),
+            format!(
+                "x1 may be up to {} and y1 up to {}",
+                film.width, film.height
+            ),
+        ));
+    }
+    film.crop = Some(crop.0);
+    Ok(())
+}
+
+/// A film that does not fit would not fail when it is made: the system would end the program later,
+/// without a word.
+fn check_memory(film: &FilmDescription) -> Result<(), Failure> {
+    let [x0, y0, x1, y1] = film.crop.unwrap_or([0, 0, film.width, film.height]);
+    let pixels = u64::from(x1 - x0) * u64::from(y1 - y0);
+    let needed = pixels * std::mem::size_of::<Pixel>() as u64;
+    match memory::available_bytes() {
+        Some(available) if needed > available => Err(Failure::refused(
+            format!(
+                "a film of {} x {} pixels needs {} MiB, and {} MiB are free",
+                x1 - x0,
+                y1 - y0,
+                needed >> 20,
+                available >> 20
+            ),
+            "ask for a smaller one with --width, or for a part of it with --crop",
+        )),
+        _ => Ok(()),
+    }
+}
+
+fn filter_of(filter: RFilter) -> Filter {
+    match filter {
+        RFilter::Box => Filter::Box { radius: 0.5 },
+        RFilter::Tent => Filter::Tent { radius: 1.0 },
+        RFilter::Gaussian => Filter::Gaussian { stddev: 0.5 },
+        RFilter::Mitchell => Filter::Mitchell {
+            b: 1.0 / 3.0,
+            c: 1.0 / 3.0,
+        },
+        RFilter::Catmullrom => Filter::CatmullRom,
+        RFilter::Lanczos => Filter::Lanczos { lobes: 3.0 },
+    }
+}
+
+/// How paths are traced: the scene's words, then the command line's.
+pub fn path_settings(args: &LightArgs, scene: &RenderDescription) -> PathSettings {
+    let max_depth = args.max_depth.map_or(scene.max_depth, |depth| depth.0);
+    PathSettings {
+        max_depth: max_depth.unwrap_or(u32::MAX),
+        rr_depth: args.rr_depth.unwrap_or(scene.rr_depth),
+        hide_emitters: args.hide_emitters || scene.hide_emitters,
+        strict_normals: args.strict_normals || scene.strict_normals,
+        sampler: match args.sampler {
+            None => scene.sampler,
+            Some(Sampler::Independent) => SamplerKind::Independent,
+            Some(Sampler::Sobol) => SamplerKind::Sobol,
+        },
+        seed: args.seed,
+    }
+}
+
+/// Most scatterings of a photon where paths are unlimited: roulette has ended nearly all by then.
+const UNLIMITED_BOUNCES: u32 = 1000;
+
+/// How to learn the field, if one is wanted. Photons scatter as often as camera paths can.
+pub fn learn_settings(args: &LightArgs, path: &PathSettings) -> Option<LearnSettings> {
+    if args.guide == Guide::None {
+        return None;
+    }
+    Some(LearnSettings {
+        photons: args.photons,
+        batches: args.batches,
+        memory: args.guide_memory as u64,
+        photon: PhotonSettings {
+            max_bounces: path.max_depth.saturating_sub(2).min(UNLIMITED_BOUNCES),
+            roulette_after: path.rr_depth.saturating_sub(2),
+            seed: args.seed,
+        },
+        direct: true,
+    })
+}
+
+/// When to stop. The scene's number of samples counts only where the command line names no limit.
+pub fn limits(args: &StopArgs, scene: &RenderDescription) -> Limits {
+    let endless = args.time.is_some() || args.noise.is_some();
+    let default = if endless {
+        u64::MAX
+    } else {
+        u64::from(scene.spp.max(1))
+    };
+    Limits {
+        spp: args.spp.unwrap_or(default),
+        time: args.time,
+        noise: args.noise,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::FilmKind;
+
+    fn film(width: u32, height: u32, crop: Option<[u32; 4]>) -> FilmDescription {
+        FilmDescription {
+            width,
+            height,
+            crop,
+            filter: Filter::Box { radius: 0.5 },
+            kind: FilmKind::Hdr,
+            exposure: 0.0,
+        }
+    }
+
+    #[test]
+    fn one_side_keeps_the_proportions() {
+        for (width, height, expected) in [
+            (Some(320), None, (320, 180)),
+            (None, Some(90), (160, 90)),
+            (Some(10), Some(10), (10, 10)),
+            (None, None, (640, 360)),
+            (Some(1), None, (1, 1)),
+        ] {
+            let mut film = film(640, 360, None);
+            resize(&mut film, width, height);
+            assert_eq!((film.width, film.height), expected);
+        }
+    }
+
+    #[test]
+    fn the_crop_of_the_scene_grows_with_the_film_and_keeps_a_pixel() {
+        let mut large = film(100, 100, Some([10, 20, 30, 40]));
+        resize(&mut large, Some(200), None);
+        assert_eq!(large.crop, Some([20, 40, 60, 80]));
+        let mut small = film(100, 100, Some([98, 99, 99, 100]));
+        resize(&mut small, Some(10), None);
+        assert_eq!(small.crop, Some([9, 9, 10, 10]));
+    }
+
+    #[test]
+    fn a_limit_of_the_command_line_replaces_that_of_the_scene() {
+        let scene = RenderDescription::default();
+        let mut stop = StopArgs {
+            spp: None,
+            time: None,
+            noise: None,
+        };
+        assert_eq!(limits(&stop, &scene).spp, 64);
+        stop.noise = Some(0.1);
+        assert_eq!(limits(&stop, &scene).spp, u64::MAX);
+        stop.spp = Some(5);
+        assert_eq!(limits(&stop, &scene).spp, 5);
+    }
+}

@@ -1,0 +1,218 @@
+//! How far a render is: a bar on a terminal, lines elsewhere.
+
+use super::console::Console;
+use super::interrupt::Interrupt;
+use super::preview::Tev;
+use crate::film::Film;
+use crate::integrate::render::{Limits, Observer, Progress};
+use crate::report::words;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+/// Steps of the bar.
+const STEPS: u64 = 1000;
+/// Time between two looks at a bar.
+const BAR_INTERVAL: Duration = Duration::from_millis(200);
+/// Lines come at every tenth of the work, but not faster than this.
+const SHORTEST_SILENCE: Duration = Duration::from_secs(1);
+/// A line comes after this time, even without a tenth.
+const LONGEST_SILENCE: Duration = Duration::from_secs(10);
+
+/// Watches a render for the person who waits.
+pub struct Watch<'a> {
+    interrupt: &'a Interrupt,
+    limits: Limits,
+    pixels: u64,
+    start: Instant,
+    samples: AtomicU64,
+    display: Display,
+    shown: Mutex<Shown>,
+    preview: Mutex<Option<Tev>>,
+}
+
+enum Display {
+    Nothing,
+    Bar(ProgressBar),
+    Lines,
+}
+
+/// What was shown last.
+struct Shown {
+    at: Instant,
+    tenths: u64,
+    noise: Option<f32>,
+}
+
+impl<'a> Watch<'a> {
+    /// Starts watching a render of `film`.
+    pub fn start(
+        interrupt: &'a Interrupt,
+        console: &Console,
+        limits: Limits,
+        film: &Film,
+        preview: Option<Tev>,
+    ) -> Self {
+        let display = match (console.shows_progress(), console.has_terminal()) {
+            (false, _) => Display::Nothing,
+            (true, false) => Display::Lines,
+            (true, true) => Display::Bar(console.bars().add(bar())),
+        };
+        let start = Instant::now();
+        Self {
+            interrupt,
+            limits,
+            pixels: u64::from(film.width()) * u64::from(film.height()),
+            start,
+            samples: AtomicU64::new(0),
+            display,
+            shown: Mutex::new(Shown {
+                at: start,
+                tenths: 0,
+                noise: None,
+            }),
+            preview: Mutex::new(preview),
+        }
+    }
+
+    /// Shows the last image and takes the bar away.
+    pub fn finish(self, film: &Film) {
+        self.show_image(film, true);
+        if let Display::Bar(bar) = &self.display {
+            bar.finish_and_clear();
+        }
+    }
+
+    fn show_image(&self, film: &Film, last: bool) {
+        let Ok(mut preview) = self.preview.lock() else {
+            return;
+        };
+        let Some(tev) = preview.as_mut() else { return };
+        if let Err(e) = tev.show(film, last) {
+            tracing::warn!("the preview ends: tev has gone ({e})");
+            *preview = None;
+        }
+    }
+
+    /// Shows how far things are, if it is time to. Never waits for another thread that is at it.
+    fn show(&self) {
+        let Ok(mut shown) = self.shown.try_lock() else {
+            return;
+        };
+        let silence = shown.at.elapsed();
+        let shortest = match self.display {
+            Display::Nothing => return,
+            Display::Bar(_) => BAR_INTERVAL,
+            Display::Lines => SHORTEST_SILENCE,
+        };
+        if silence < shortest {
+            return;
+        }
+        let samples = self.samples.load(Ordering::Relaxed);
+        let elapsed = self.start.elapsed();
+        let fraction = fraction_done(&self.limits, self.pixels, samples, elapsed, shown.noise);
+        let tenths = (fraction * 10.0) as u64;
+        let text = self.sentence(samples, elapsed, fraction, shown.noise);
+        match &self.display {
+            Display::Bar(bar) => {
+                bar.set_message(text);
+                bar.set_position((fraction * STEPS as f64) as u64);
+            }
+            _ if tenths == shown.tenths && silence < LONGEST_SILENCE => return,
+            _ => tracing::info!("{:>3.0} %  {text}", (fraction * 100.0).floor()),
+        }
+        shown.at = Instant::now();
+        shown.tenths = tenths;
+    }
+
+    fn sentence(
+        &self,
+        samples: u64,
+        elapsed: Duration,
+        fraction: f64,
+        noise: Option<f32>,
+    ) -> String {
+        let seconds = elapsed.as_secs_f64();
+        let mut text = format!("{:.1}", samples as f64 / self.pixels as f64);
+        if self.limits.spp < u64::MAX {
+            text += &format!("/{}", self.limits.spp);
+        }
+        text += &format!(" spp  {} samples/s", words::count(samples as f64 / seconds));
+        if let Some(noise) = noise {
+            text += &format!("  noise {noise:.4}");
+        }
+        if fraction > 0.0 {
+            let left = seconds * (1.0 - fraction) / fraction;
+            text += &format!("  {} left", words::time(left));
+        }
+        text
+    }
+}
+
+impl Observer for Watch<'_> {
+    fn pass_done(&self, progress: &Progress, film: &Film) {
+        if let Ok(mut shown) = self.shown.lock() {
+            shown.noise = progress.noise;
+        }
+        self.show();
+        self.show_image(film, false);
+    }
+
+    fn tile_done(&self, samples: u64) {
+        self.samples.fetch_add(samples, Ordering::Relaxed);
+        self.show();
+    }
+
+    fn should_stop(&self) -> bool {
+        self.interrupt.requested()
+    }
+}
+
+/// Which part of the work is done, by the limit that will be reached first. The error of a mean falls
+/// with the root of the samples, so noise tells the part by its square.
+fn fraction_done(
+    limits: &Limits,
+    pixels: u64,
+    samples: u64,
+    elapsed: Duration,
+    noise: Option<f32>,
+) -> f64 {
+    let by_samples = samples as f64 / (pixels as f64 * limits.spp as f64);
+    let by_time = limits
+        .time
+        .map_or(0.0, |t| elapsed.as_secs_f64() / t.as_secs_f64());
+    let by_noise = match (limits.noise, noise) {
+        (Some(target), Some(noise)) => f64::from(target / noise).powi(2),
+        _ => 0.0,
+    };
+    by_samples.max(by_time).max(by_noise).min(1.0)
+}
+
+fn bar() -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:24} {percent:>3} %  {msg}");
+    let bar = ProgressBar::new(STEPS);
+    // The template is this line's own: were it refused, indicatif's default would serve.
+    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_limit_that_comes_first_tells_how_far_things_are() {
+        let limits = |spp, time, noise| Limits { spp, time, noise };
+        let done = |limits: Limits, noise| {
+            fraction_done(&limits, 100, 1000, Duration::from_secs(30), noise)
+        };
+        let minute = Some(Duration::from_secs(60));
+        assert_eq!(done(limits(40, None, None), None), 0.25);
+        assert_eq!(done(limits(40, minute, None), None), 0.5);
+        assert_eq!(done(limits(40, minute, Some(0.5)), None), 0.5);
+        assert_eq!(done(limits(40, minute, Some(0.5)), Some(0.5)), 1.0);
+        assert_eq!(done(limits(u64::MAX, None, Some(0.5)), Some(1.0)), 0.25);
+        assert_eq!(done(limits(5, None, None), None), 1.0);
+    }
+}

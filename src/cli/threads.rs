@@ -1,0 +1,27 @@
+//! The pool of threads that loads, builds and renders.
+
+use super::Failure;
+use crate::accel;
+
+/// Starts the pool; without a number, as many threads as the machine gives this process.
+///
+/// # Errors
+/// When the system refuses the threads.
+pub fn start(threads: Option<u16>) -> Result<(), Failure> {
+    // The calling thread evaluates light too, and must round denormals as the others do.
+    accel::prepare_thread();
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.map_or(0, usize::from))
+        .thread_name(|i| format!("render {i}"))
+        .start_handler(|_| accel::prepare_thread())
+        .build_global()
+        .map_err(|e| {
+            let help = "ask for fewer with --threads";
+            Failure::refused(format!("threads cannot be started: {e}"), help)
+        })
+}
+
+/// Threads of the pool.
+pub fn count() -> usize {
+    rayon::current_num_threads()
+}

@@ -1,0 +1,254 @@
+//! Words of the command line that have a grammar of their own. Each parser's error is the sentence that
+//! clap prints after `invalid value '...' for '...':`.
+
+use std::str::FromStr;
+use std::time::Duration;
+
+/// A limit on the number of edges of a path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Depth(
+    /// `None` is unlimited.
+    pub Option<u32>,
+);
+
+impl FromStr for Depth {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if matches!(text, "-1" | "unlimited") {
+            return Ok(Self(None));
+        }
+        match text.parse() {
+            Ok(depth) if depth > 0 => Ok(Self(Some(depth))),
+            _ => Err("expected a whole number from 1 on, or \"unlimited\"".into()),
+        }
+    }
+}
+
+/// Part of a film: x0, y0, x1, y1 in pixels, upper bounds not included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Crop(
+    /// The four numbers, x0 < x1 and y0 < y1.
+    pub [u32; 4],
+);
+
+impl FromStr for Crop {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers: Result<Vec<u32>, _> = text.split(',').map(|t| t.trim().parse()).collect();
+        let Ok(&[x0, y0, x1, y1]) = numbers.as_deref() else {
+            return Err("expected four whole numbers x0,y0,x1,y1 such as 0,0,320,240".into());
+        };
+        if x0 >= x1 || y0 >= y1 {
+            return Err("it holds no pixel: x1 must be beyond x0, and y1 beyond y0".into());
+        }
+        Ok(Self([x0, y0, x1, y1]))
+    }
+}
+
+/// A value for a `$name` in a scene file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Definition {
+    /// The name, without `$`.
+    pub name: String,
+    /// The text to put in its place.
+    pub value: String,
+}
+
+impl FromStr for Definition {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let word = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.');
+        match text.split_once('=') {
+            Some((name, value)) if !name.is_empty() && name.chars().all(word) => Ok(Self {
+                name: name.into(),
+                value: value.into(),
+            }),
+            _ => Err("expected key=value such as -D spp=256".into()),
+        }
+    }
+}
+
+/// Where to show the image while it renders.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Preview {
+    /// In the image viewer tev, at this address.
+    Tev(String),
+}
+
+/// Where tev listens unless told otherwise.
+const TEV_ADDRESS: &str = "127.0.0.1:14158";
+
+impl FromStr for Preview {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let port = |address: &str| Some(address.rsplit_once(':')?.1.parse::<u16>().is_ok());
+        match text.split_once('=') {
+            None if text == "tev" => Ok(Self::Tev(TEV_ADDRESS.into())),
+            Some(("tev", address)) if port(address) == Some(true) => Ok(Self::Tev(address.into())),
+            _ => Err("expected tev or tev=host:port such as tev=127.0.0.1:14158".into()),
+        }
+    }
+}
+
+/// Reads a number and the letters behind it off the front of `text`.
+fn number_and_unit(text: &str) -> Option<(f64, &str, &str)> {
+    let end = text.find(|c: char| !c.is_ascii_digit() && c != '.')?;
+    let (number, rest) = text.split_at(end);
+    let end = rest
+        .find(|c: char| !c.is_ascii_alphabetic())
+        .unwrap_or(rest.len());
+    let (unit, rest) = rest.split_at(end);
+    Some((number.parse().ok()?, unit, rest))
+}
+
+/// A time such as `90`, `120s`, `2m` or `1h30m`.
+///
+/// # Errors
+/// A sentence that says what was expected.
+pub fn duration(text: &str) -> Result<Duration, String> {
+    const EXPECTED: &str = "expected a time above 0 such as 90, 120s, 2m or 1h30m";
+    let seconds = match text.parse::<f64>() {
+        Ok(seconds) => Some(seconds),
+        Err(_) => seconds_by_units(text),
+    };
+    let seconds = seconds.filter(|&s| s > 0.0);
+    seconds
+        .and_then(|s| Duration::try_from_secs_f64(s).ok())
+        .ok_or_else(|| EXPECTED.into())
+}
+
+fn seconds_by_units(text: &str) -> Option<f64> {
+    let mut rest = text;
+    let mut seconds = 0.0;
+    while !rest.is_empty() {
+        let (number, unit, behind) = number_and_unit(rest)?;
+        seconds += number
+            * match unit {
+                "ms" => 1e-3,
+                "s" => 1.0,
+                "m" | "min" => 60.0,
+                "h" => 3600.0,
+                "d" => 86400.0,
+                _ => return None,
+            };
+        rest = behind;
+    }
+    Some(seconds)
+}
+
+/// A number of bytes such as `512M`, `2G` or `1.5GiB`; the units are powers of 1024.
+///
+/// # Errors
+/// A sentence that says what was expected.
+pub fn bytes(text: &str) -> Result<usize, String> {
+    const EXPECTED: &str = "expected an amount of memory such as 512M or 2G";
+    if let Ok(bytes) = text.parse() {
+        return Ok(bytes);
+    }
+    let Some((number, unit, "")) = number_and_unit(text) else {
+        return Err(EXPECTED.into());
+    };
+    let unit = unit.to_ascii_uppercase();
+    let shift = match unit.trim_end_matches('B').trim_end_matches('I') {
+        "K" => 10,
+        "M" => 20,
+        "G" => 30,
+        "T" => 40,
+        _ => return Err(EXPECTED.into()),
+    };
+    Ok((number * (1u64 << shift) as f64) as usize)
+}
+
+/// A noise to stop at.
+///
+/// # Errors
+/// A sentence that says what was expected.
+pub fn noise(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(noise) if noise > 0.0 && noise.is_finite() => Ok(noise),
+        _ => Err("expected a number above 0 such as 0.02".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_read_with_and_without_units() {
+        let seconds = |text| duration(text).map(|d| d.as_secs_f64());
+        for (text, expected) in [
+            ("90", 90.0),
+            ("120s", 120.0),
+            ("2m", 120.0),
+            ("1h30m", 5400.0),
+            ("1.5h", 5400.0),
+            ("250ms", 0.25),
+            ("1d1s", 86401.0),
+        ] {
+            assert_eq!(seconds(text), Ok(expected), "{text}");
+        }
+        for text in [
+            "", "0", "-3", "abc", "3x", "h", "1h30", "nan", "inf", "1e300",
+        ] {
+            assert!(seconds(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn memory_is_read_in_powers_of_1024() {
+        for (text, expected) in [
+            ("4096", 4096),
+            ("512M", 512 << 20),
+            ("2g", 2 << 30),
+            ("1.5GiB", 3 << 29),
+            ("1KB", 1024),
+        ] {
+            assert_eq!(bytes(text), Ok(expected), "{text}");
+        }
+        for text in ["", "M", "1X", "-1", "1M1", "1.2.3G"] {
+            assert!(bytes(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn crops_hold_pixels() {
+        assert_eq!("1,2,3,4".parse(), Ok(Crop([1, 2, 3, 4])));
+        for text in [
+            "1,2,3",
+            "3,2,1,4",
+            "1,4,3,4",
+            "a,b,c,d",
+            "1,2,3,4,5",
+            "-1,0,2,2",
+        ] {
+            assert!(text.parse::<Crop>().is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn definitions_keep_what_follows_the_first_equals_sign() {
+        let definition: Definition = "a_1=b=c".parse().unwrap();
+        assert_eq!(
+            (definition.name.as_str(), definition.value.as_str()),
+            ("a_1", "b=c")
+        );
+        for text in ["", "=1", "a", "a b=1"] {
+            assert!(text.parse::<Definition>().is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn previews_name_a_host_and_a_port() {
+        let tev = |address: &str| Ok(Preview::Tev(address.into()));
+        assert_eq!("tev".parse(), tev(TEV_ADDRESS));
+        assert_eq!("tev=far:99".parse(), tev("far:99"));
+        for text in ["", "gimp", "tev=", "tev=host", "tev=host:port", "gimp=a:1"] {
+            assert!(text.parse::<Preview>().is_err(), "{text}");
+        }
+    }
+}

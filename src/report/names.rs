@@ -1,0 +1,85 @@
+//! The names by which scene files call things.
+
+use crate::accel::ExactKind;
+use crate::bsdf::Material;
+use crate::camera::Projection;
+use crate::film::filter::Filter;
+use crate::light::Emitter;
+
+/// The plugin name of a material.
+pub fn material(material: &Material) -> &'static str {
+    match material {
+        Material::Diffuse { .. } => "diffuse",
+        Material::RoughDiffuse { .. } => "roughdiffuse",
+        Material::Dielectric { .. } => "dielectric",
+        Material::ThinDielectric { .. } => "thindielectric",
+        Material::RoughDielectric { .. } => "roughdielectric",
+        Material::Conductor { .. } => "conductor",
+        Material::RoughConductor { .. } => "roughconductor",
+        Material::Plastic { .. } => "plastic",
+        Material::RoughPlastic { .. } => "roughplastic",
+        Material::Phong { .. } => "phong",
+        Material::Ward { .. } => "ward",
+        Material::Principled(_) => "principled",
+        Material::PrincipledThin(_) => "principledthin",
+        Material::DiffuseTransmitter { .. } => "difftrans",
+        Material::Null => "null",
+        Material::Mask { .. } => "mask",
+        Material::TwoSided { .. } => "twosided",
+        Material::BumpMap { .. } => "bumpmap",
+        Material::NormalMap { .. } => "normalmap",
+        Material::Blend { .. } => "blendbsdf",
+        Material::Mixture { .. } => "mixturebsdf",
+        Material::Coating { .. } => "coating",
+        Material::RoughCoating { .. } => "roughcoating",
+    }
+}
+
+/// The plugin name of an emitter.
+pub fn emitter(emitter: &Emitter) -> &'static str {
+    match emitter {
+        Emitter::Area { .. } => "area",
+        Emitter::Point { .. } => "point",
+        Emitter::Spot { .. } => "spot",
+        Emitter::Directional { .. } => "directional",
+        Emitter::Constant { .. } => "constant",
+        Emitter::EnvironmentMap { .. } => "envmap",
+        Emitter::SunSky { settings, .. } => match (settings.sun, settings.sky) {
+            (true, false) => "sun",
+            (false, true) => "sky",
+            _ => "sunsky",
+        },
+        Emitter::Projector { .. } => "projector",
+    }
+}
+
+/// The plugin name of an exact shape.
+pub fn shape(kind: ExactKind) -> &'static str {
+    match kind {
+        ExactKind::Sphere => "sphere",
+        ExactKind::Disk => "disk",
+        ExactKind::Cylinder => "cylinder",
+        ExactKind::Rectangle => "rectangle",
+    }
+}
+
+/// The plugin name of a camera.
+pub fn camera(projection: &Projection) -> &'static str {
+    match projection {
+        Projection::Perspective { .. } => "perspective",
+        Projection::ThinLens { .. } => "thinlens",
+        Projection::Orthographic => "orthographic",
+    }
+}
+
+/// The plugin name of a reconstruction filter.
+pub fn filter(filter: &Filter) -> &'static str {
+    match filter {
+        Filter::Box { .. } => "box",
+        Filter::Tent { .. } => "tent",
+        Filter::Gaussian { .. } => "gaussian",
+        Filter::Mitchell { .. } => "mitchell",
+        Filter::CatmullRom => "catmullrom",
+        Filter::Lanczos { .. } => "lanczos",
+    }
+}

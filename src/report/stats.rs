@@ -1,0 +1,89 @@
+//! What a render came to: the `--stats` file and the sentence at the end.
+
+use super::words;
+use serde::Serialize;
+
+/// Measurements of a render. The field names are the keys of the `--stats` file, documented in the
+/// README; times are wall-clock seconds, memory is in bytes.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Stats {
+    /// Version of the program.
+    pub version: String,
+    /// The scene file.
+    pub scene: String,
+    /// Width of the image (the crop's, if there is one).
+    pub width: u32,
+    /// Height of the image.
+    pub height: u32,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// Threads.
+    pub threads: usize,
+    /// The ray tracer, with its version.
+    pub accel: String,
+    /// `samples`, `time`, `noise` or `interrupt`.
+    pub stopped_by: &'static str,
+    /// Samples a pixel.
+    pub spp: u64,
+    /// Samples over the whole image.
+    pub samples: u64,
+    /// `samples / render_seconds`.
+    pub samples_per_second: f64,
+    /// Rays traced, shadow rays included.
+    pub rays: u64,
+    /// `rays / render_seconds`.
+    pub rays_per_second: f64,
+    /// Expected root of the relative mean squared error; `null` below two samples a pixel.
+    pub noise: Option<f32>,
+    /// Samples dropped because they were not finite.
+    pub invalid_samples: u64,
+    /// Reading the scene and its meshes.
+    pub load_seconds: f64,
+    /// Building the ray tracer's trees and the lights.
+    pub build_seconds: f64,
+    /// Learning the field; 0 without one.
+    pub train_seconds: f64,
+    /// Bytes of the learned field; 0 without one.
+    pub field_memory_bytes: u64,
+    /// Rendering.
+    pub render_seconds: f64,
+    /// Writing the images.
+    pub write_seconds: f64,
+    /// Most memory that the process held; `null` where the system does not tell.
+    pub peak_memory_bytes: Option<u64>,
+    /// Memory of the ray tracer's trees.
+    pub accel_memory_bytes: u64,
+    /// Memory of texels.
+    pub texture_memory_bytes: u64,
+    /// Triangles of all meshes, instances counted once.
+    pub triangles: u64,
+    /// What was odd about the scene.
+    pub warnings: Vec<String>,
+}
+
+impl Stats {
+    /// The `--stats` file.
+    pub fn to_json(&self) -> String {
+        super::json(self)
+    }
+
+    /// The end of a render in one sentence.
+    pub fn sentence(&self) -> String {
+        let why = match self.stopped_by {
+            "time" => "the time is up",
+            "noise" => "the image is clean enough",
+            "interrupt" => "interrupted",
+            _ => "all samples are taken",
+        };
+        let noise = self
+            .noise
+            .map_or(String::new(), |n| format!(", noise {n:.4}"));
+        format!(
+            "{why}: {} spp in {}{noise}, {} samples/s, {} rays/s",
+            self.spp,
+            words::time(self.render_seconds),
+            words::count(self.samples_per_second),
+            words::count(self.rays_per_second)
+        )
+    }
+}

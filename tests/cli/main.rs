@@ -1,0 +1,8 @@
+//! What a user at the terminal notices: exit codes, messages, files.
+
+mod errors;
+mod inspect;
+mod messages;
+mod outputs;
+mod stopping;
+mod support;

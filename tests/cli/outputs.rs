@@ -1,0 +1,250 @@
+//! Files that a render leaves.
+
+use super::support::{Place, read_channels, read_exr, wait};
+use std::io::{BufRead, BufReader, Read};
+use std::process::Stdio;
+
+#[cfg(feature = "oiio")]
+#[test]
+fn one_render_writes_several_formats() {
+    let place = Place::new();
+    place
+        .run("render scene.xml -o a.exr -o b.png -o c.jpg -o d.hdr")
+        .ok();
+    assert_eq!(
+        place.files(),
+        ["a.exr", "b.png", "c.jpg", "d.hdr", "scene.xml"]
+    );
+    let (width, pixels) = read_exr(&place.path("a.exr"));
+    assert_eq!((width, pixels.len()), (24, 24 * 18));
+    assert!(
+        pixels.iter().all(|p| p.iter().all(|c| *c > 0.0)),
+        "the sky is everywhere"
+    );
+    assert!(place.read("b.png").starts_with(b"\x89PNG"));
+    assert!(place.read("c.jpg").starts_with(b"\xff\xd8"));
+    assert!(place.read("d.hdr").starts_with(b"#?"));
+}
+
+#[test]
+fn without_a_name_the_image_is_called_after_the_scene() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("sub")).unwrap();
+    std::fs::rename(place.path("scene.xml"), place.path("sub/room.xml")).unwrap();
+    place.run("render sub/room.xml --spp 1").ok();
+    assert_eq!(place.files(), ["room.exr", "sub"]);
+}
+
+#[test]
+fn an_existing_output_is_replaced_whole() {
+    let place = Place::new();
+    std::fs::write(place.path("a.exr"), vec![b'x'; 1 << 20]).unwrap();
+    place.run("render scene.xml -o a.exr").ok();
+    assert!(
+        place.read("a.exr").len() < 1 << 20,
+        "nothing of the old file is left"
+    );
+    place.run("render scene.xml -o b.exr").ok();
+    let [a, b] = ["a.exr", "b.exr"].map(|name| read_channels(&place.path(name)));
+    assert_eq!(a, b);
+    assert_eq!(place.files(), ["a.exr", "b.exr", "scene.xml"]);
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bits_on_any_number_of_threads() {
+    let place = Place::new();
+    for sampler in ["independent", "sobol"] {
+        let render = |threads: u32, seed: u32| {
+            let words = format!(
+                "render scene.xml -o {threads}.exr -D size=70 --spp 7 --seed {seed} -j {threads} \
+                 --sampler {sampler} --format float --aov all"
+            );
+            place.run(&words).ok();
+            read_channels(&place.path(&format!("{threads}.exr")))
+        };
+        let one = render(1, 5);
+        assert!(one == render(2, 5) && one == render(3, 5), "{sampler}");
+        assert!(
+            one != render(1, 6),
+            "{sampler}: another seed is another image"
+        );
+    }
+}
+
+#[test]
+fn a_crop_holds_the_same_pixels_as_the_whole() {
+    let place = Place::new();
+    place.run("render scene.xml -o all.exr --format float").ok();
+    place
+        .run("render scene.xml -o part.exr --format float --crop 3,5,20,17")
+        .ok();
+    let (width, all) = read_exr(&place.path("all.exr"));
+    let (part_width, part) = read_exr(&place.path("part.exr"));
+    assert_eq!((part_width, part.len()), (17, 17 * 12));
+    for (i, pixel) in part.iter().enumerate() {
+        let (x, y) = (i % part_width + 3, i / part_width + 5);
+        assert_eq!(*pixel, all[y * width + x], "{x},{y}");
+    }
+}
+
+#[test]
+fn one_side_alone_keeps_the_proportions() {
+    let place = Place::new();
+    place
+        .run("render scene.xml -o a.exr --width 48 --spp 1")
+        .ok();
+    let (width, pixels) = read_exr(&place.path("a.exr"));
+    assert_eq!((width, pixels.len()), (48, 48 * 36));
+    place
+        .run("render scene.xml -o a.exr --height 9 --spp 1")
+        .ok();
+    let (width, pixels) = read_exr(&place.path("a.exr"));
+    assert_eq!((width, pixels.len()), (12, 12 * 9));
+}
+
+#[test]
+fn layers_are_in_the_file_that_was_asked_for_them() {
+    let place = Place::new();
+    let names = |words: &str| {
+        place
+            .run(&format!("render scene.xml -o a.exr --spp 2 {words}"))
+            .ok();
+        let channels = read_channels(&place.path("a.exr")).into_iter();
+        let mut names: Vec<String> = channels.map(|c| c.0).collect();
+        names.sort();
+        names.join(" ")
+    };
+    let plain = names("");
+    for channel in ["R", "G", "B"] {
+        assert!(plain.split(' ').any(|c| c == channel), "{plain}");
+    }
+    assert!(!plain.contains('.'), "{plain}");
+    let some = names("--aov albedo,normal");
+    assert!(
+        some.contains("albedo.") && some.contains("normal."),
+        "{some}"
+    );
+    assert!(!some.contains("variance"), "{some}");
+    let all = names("--aov all");
+    for layer in ["albedo", "normal", "depth", "variance", "samples"] {
+        assert!(all.to_lowercase().contains(layer), "{layer} in {all}");
+    }
+}
+
+#[cfg(feature = "oiio")]
+#[test]
+fn exposure_doubles_the_light_of_a_png_and_leaves_the_exr() {
+    let place = Place::new();
+    place.run("render scene.xml -o a.exr -o a.png").ok();
+    place
+        .run("render scene.xml -o b.exr -o b.png --exposure -2")
+        .ok();
+    let [a, b] = ["a.exr", "b.exr"].map(|name| read_channels(&place.path(name)));
+    assert_eq!(a, b);
+    assert_ne!(place.read("a.png"), place.read("b.png"));
+}
+
+#[test]
+fn stats_hold_every_documented_key() {
+    let place = Place::new();
+    place
+        .run("render scene.xml -o a.exr --stats s.json --seed 3 -j 2 --spp 5")
+        .ok();
+    let stats: serde_json::Value = serde_json::from_slice(&place.read("s.json")).unwrap();
+    let stats = stats.as_object().unwrap();
+    let readme = include_str!("../../README.md");
+    for key in stats.keys() {
+        assert!(
+            readme.contains(&format!("| `{key}` |")),
+            "{key} is not in the README"
+        );
+    }
+    for key in [
+        "samples_per_second",
+        "load_seconds",
+        "build_seconds",
+        "render_seconds",
+        "write_seconds",
+        "peak_memory_bytes",
+        "stopped_by",
+        "spp",
+        "samples",
+        "rays",
+        "rays_per_second",
+        "noise",
+        "threads",
+        "seed",
+        "width",
+        "height",
+        "scene",
+        "version",
+        "accel",
+        "accel_memory_bytes",
+        "texture_memory_bytes",
+        "triangles",
+        "invalid_samples",
+        "warnings",
+    ] {
+        assert!(stats.contains_key(key), "{key}");
+    }
+    assert_eq!(stats["stopped_by"], "samples");
+    assert_eq!(stats["spp"], 5);
+    assert_eq!(stats["samples"], 5 * 24 * 18);
+    assert_eq!((&stats["seed"], &stats["threads"]), (&3.into(), &2.into()));
+    assert!(stats["rays"].as_u64() > stats["samples"].as_u64());
+    let rate = stats["samples"].as_f64().unwrap() / stats["render_seconds"].as_f64().unwrap();
+    let told = stats["samples_per_second"].as_f64().unwrap();
+    assert!((told / rate - 1.0).abs() < 1e-6, "{told} {rate}");
+}
+
+#[test]
+fn an_image_whose_directory_has_gone_is_kept_elsewhere() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("pictures")).unwrap();
+    std::fs::create_dir(place.path("temporary")).unwrap();
+    let mut child = place
+        .command("render scene.xml -o pictures/a.exr --time 2s")
+        .env("TMPDIR", place.path("temporary"))
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut messages = BufReader::new(child.stderr.take().unwrap());
+    let mut text = String::new();
+    while !text.contains(" samples/s") {
+        assert_ne!(messages.read_line(&mut text).unwrap(), 0, "{text}");
+    }
+    std::fs::remove_dir(place.path("pictures")).unwrap();
+    messages.read_to_string(&mut text).unwrap();
+    assert_eq!(wait(child).code, Some(1), "{text}");
+    assert!(
+        text.contains("error: pictures/a.exr: ") && text.contains("kept in"),
+        "{text}"
+    );
+    let kept = std::fs::read_dir(place.path("temporary")).unwrap();
+    let kept: Vec<_> = kept.map(|f| f.unwrap().path()).collect();
+    assert_eq!(kept.len(), 1, "{kept:?}");
+    assert_eq!(read_exr(&kept[0]).0, 24);
+}
+
+#[cfg(feature = "embree")]
+#[test]
+fn both_ray_tracers_show_the_same_scene() {
+    let place = Place::new();
+    let [a, b] = ["embree", "obvhs"].map(|accel| {
+        place
+            .run(&format!(
+                "render scene.xml -o a.exr --format float --accel {accel}"
+            ))
+            .ok();
+        read_exr(&place.path("a.exr")).1
+    });
+    // The same random numbers meet the same surfaces: a pixel differs only where a ray passes an edge
+    // within rounding. One in a hundred is allowed to.
+    let differ = |(a, b): (&[f32; 3], &[f32; 3])| (a[0] - b[0]).abs() > 1e-3 * a[0].abs();
+    let count = a.iter().zip(&b).filter(|&pair| differ(pair)).count();
+    assert!(
+        count <= a.len() / 100,
+        "{count} of {} pixels differ",
+        a.len()
+    );
+}
