@@ -35,14 +35,13 @@ pub struct FilmDescription {
 }
 
 pub mod layers;
+mod noise;
+#[cfg(test)]
+mod tests;
 pub mod tile;
 
 pub use layers::{Layers, Metadata};
 pub use tile::{Pixel, Sample, TILE_SIZE, Tile};
-
-/// Share of the pixels, the noisiest, that [`Film::noise`] leaves out: a single bright speck would
-/// otherwise keep a clean image rendering for ever.
-const NOISE_TRIM: f64 = 1e-3;
 
 /// Sums of samples, stored in tiles.
 ///
@@ -111,6 +110,11 @@ impl Film {
         &tile.pixels[(y % TILE_SIZE * tile.width + x % TILE_SIZE) as usize]
     }
 
+    /// All pixels, tile by tile.
+    fn pixels(&self) -> impl Iterator<Item = &Pixel> {
+        self.tiles.iter().flat_map(|t| &t.pixels)
+    }
+
     /// Samples that were dropped because they were not finite.
     pub fn invalid_samples(&self) -> u64 {
         self.tiles.iter().map(|t| t.invalid).sum()
@@ -119,30 +123,5 @@ impl Film {
     /// The first dropped sample in film order: x, y, sample.
     pub fn first_invalid(&self) -> Option<(u32, u32, u64)> {
         self.tiles.iter().find_map(|t| t.first_invalid)
-    }
-
-    /// Noise of the image: the square root of the mean over pixels and channels of
-    /// `variance / (value^2 + 0.01)`, without the noisiest 0.1 %. It is the root of the relMSE that a
-    /// comparison with the converged image is expected to show. `None` below two samples a pixel.
-    pub fn noise(&self) -> Option<f32> {
-        let pixels = self.tiles.iter().flat_map(|t| &t.pixels);
-        let mut errors = Vec::with_capacity((self.width() * self.height() * 3) as usize);
-        for pixel in pixels {
-            if pixel.count < 2 {
-                return None;
-            }
-            let (mean, variance) = (pixel.mean(), pixel.variance_of_mean());
-            errors.extend((0..3).map(|c| variance[c] / (mean[c] * mean[c] + 0.01)));
-        }
-        let kept = errors.len() - (errors.len() as f64 * NOISE_TRIM) as usize;
-        if kept == 0 {
-            return None;
-        }
-        errors.select_nth_unstable_by(kept - 1, f64::total_cmp);
-        // Sorting the kept part is not needed for its mean, but its order must not depend on the
-        // selection algorithm: sums of the same numbers in another order differ in the last bits.
-        errors[..kept].sort_unstable_by(f64::total_cmp);
-        let mean = errors[..kept].iter().sum::<f64>() / kept as f64;
-        Some(mean.sqrt() as f32)
     }
 }

@@ -210,9 +210,15 @@ impl Plan {
             census.add(&clean);
         };
         if self.channels.len() == 1 {
-            self.each_strip::<f32, 1>(PixelType::Float, |s| Ok(s.for_each(|t| count(&t))))?;
+            self.each_strip::<f32, 1>(PixelType::Float, |strip| {
+                strip.for_each(|t| count(&t));
+                Ok(())
+            })?;
         } else {
-            self.each_strip::<f32, 3>(PixelType::Float, |s| Ok(s.for_each(|t| count(&t))))?;
+            self.each_strip::<f32, 3>(PixelType::Float, |strip| {
+                strip.for_each(|t| count(&t));
+                Ok(())
+            })?;
         }
         Ok((census.mean(size, self.channels.len() == 1), census.bad))
     }
