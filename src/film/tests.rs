@@ -238,7 +238,7 @@ fn layers_and_metadata_reach_the_file() {
         let shared = &file.attributes.other;
         let all = other.iter().chain(shared);
         all.clone()
-            .find(|(n, _)| n.eq(name))
+            .find(|(n, _)| **n == *name)
             .map(|(_, v)| v.clone())
     };
     use exr::prelude::AttributeValue::{F32, Text};
