@@ -14,13 +14,21 @@ if llvm:
     os.environ.setdefault("DRJIT_LIBLLVM_PATH", llvm[0])
 
 
+def defines(scene):
+    """Scenes that leave the integrator open get the path tracer."""
+    with open(scene, encoding="utf-8") as f:
+        return ["integrator=path"] if "$integrator" in f.read() else []
+
+
 def ours(program, scene, args):
     """Samples per second of one run of twintree, in millions."""
     with tempfile.TemporaryDirectory() as folder:
         stats, image = os.path.join(folder, "stats.json"), os.path.join(folder, "image.exr")
         command = [program, "render", scene, "-o", image, "--stats", stats, "--quiet", "--width", "320",
                    "--max-depth", "12", "--rr-depth", "5", "--rfilter", "box", "--sampler", "independent",
-                   "--guide", "none", "--spp", str(args.spp), "-j", str(args.threads), "-D", "integrator=path"]
+                   "--guide", "none", "--spp", str(args.spp), "-j", str(args.threads)]
+        for define in defines(scene):
+            command += ["-D", define]
         subprocess.run(command, check=True)
         with open(stats) as f:
             return json.load(f)["samples_per_second"] / 1e6
@@ -35,7 +43,7 @@ class Theirs:
         import drjit as dr
         dr.set_thread_count(args.threads)
         self.mi, self.spp = mi, args.spp
-        self.scene = mi.load_file(path, integrator="path")
+        self.scene = mi.load_file(path, **dict(d.split("=", 1) for d in defines(path)))
         old = self.scene.sensors()[0]
         params = mi.traverse(old)
         size = old.film().size()

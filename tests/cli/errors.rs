@@ -24,7 +24,7 @@ fn bad_values_name_the_flag_and_what_was_expected() {
         ("-j 0", ["--threads", "1.."]),
         ("--texture-memory 5X", ["--texture-memory", "512M"]),
         ("--aov albedo,colour", ["--aov", "colour"]),
-        ("--guide double", ["--guide", "none"]),
+        ("--guide maybe", ["--guide", "double"]),
         ("--preview gimp", ["--preview", "tev=host:port"]),
         ("--max-depth 0", ["--max-depth", "unlimited"]),
         ("--width 0", ["--width", "1.."]),
