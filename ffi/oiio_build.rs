@@ -2,10 +2,15 @@
 
 use std::process::{Command, exit};
 
-/// Called by build.rs: finds OpenImageIO by pkg-config, compiles ffi/oiio_shim.cpp and links both.
+const SOURCES: [&str; 2] = ["ffi/oiio_shim.cpp", "ffi/oiio_textures.cpp"];
+
+/// Called by build.rs: finds OpenImageIO by pkg-config, compiles the shim and links both.
 pub fn configure() {
-    for file in ["oiio_build.rs", "oiio_shim.h", "oiio_shim.cpp"] {
+    for file in ["oiio_build.rs", "oiio_shim.h", "oiio_guard.h"] {
         println!("cargo::rerun-if-changed=ffi/{file}");
+    }
+    for file in SOURCES {
+        println!("cargo::rerun-if-changed={file}");
     }
     println!("cargo::rerun-if-env-changed=CXX");
     // Linked after the shim that needs it: pkg-config's own output would come first.
@@ -18,7 +23,7 @@ pub fn configure() {
     let mut shim = cc::Build::new();
     shim.cpp(true)
         .std("c++17")
-        .file("ffi/oiio_shim.cpp")
+        .files(SOURCES)
         .warnings(true)
         .debug(false)
         .cargo_metadata(true);
@@ -42,7 +47,7 @@ pub fn configure() {
         ));
     }
     if let Err(e) = shim.try_compile("twintree_oiio_shim") {
-        missing(&format!("ffi/oiio_shim.cpp does not compile: {e}"));
+        missing(&format!("the shim over OpenImageIO does not compile: {e}"));
     }
 
     for path in &library.link_paths {

@@ -6,6 +6,7 @@
 
 use super::ImageError;
 use std::fs::File;
+use std::io::Write;
 use std::path::Path;
 
 /// Calls `fill` with the name of an empty file beside `target` (and with its extension), then puts
@@ -38,7 +39,13 @@ pub fn replace(
         .tempfile_in(directory)
         .map_err(|e| error("cannot be written", e))?
         .into_temp_path();
-    fill(&new).map_err(|reason| ImageError::new(target, format!("cannot be written: {reason}")))?;
+    fill(&new).map_err(|reason| {
+        let reason = match probe(&new) {
+            Ok(()) => reason,
+            Err(e) => format!("{e} ({reason})"),
+        };
+        ImageError::new(target, format!("cannot be written: {reason}"))
+    })?;
     File::open(&new)
         .and_then(|f| f.sync_all())
         .map_err(|e| error("cannot be flushed to the disk", e))?;
@@ -48,6 +55,13 @@ pub fn replace(
     // The name is safe once the directory is. Not every file system can do that; the pixels are safe.
     let _ = File::open(directory).and_then(|d| d.sync_all());
     Ok(())
+}
+
+/// Asks the disk why a write failed: libraries say little more than that it did.
+fn probe(file: &Path) -> std::io::Result<()> {
+    let mut file = File::options().append(true).open(file)?;
+    file.write_all(&vec![0; 1 << 20])?;
+    file.sync_all()
 }
 
 /// Temporary files are made private. The result gets the permissions of the file that it replaces, or

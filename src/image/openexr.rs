@@ -44,9 +44,14 @@ fn to_image(layer: &Layer<AnyChannels<FlatSamples>>, shared: &ImageAttributes) -
             *target = value;
         }
     }
-    let own = &layer.attributes;
+    image.attributes = attributes(shared, &layer.attributes);
+    image
+}
+
+/// Attributes under the names that OpenImageIO gives them.
+fn attributes(shared: &ImageAttributes, own: &LayerAttributes) -> Vec<Attribute> {
     let name = |t: &Option<Text>, n| t.as_ref().map(|t| Attribute::text(n, t.to_string()));
-    image.attributes = shared
+    let mut list: Vec<Attribute> = shared
         .other
         .iter()
         .chain(&own.other)
@@ -56,15 +61,20 @@ fn to_image(layer: &Layer<AnyChannels<FlatSamples>>, shared: &ImageAttributes) -
         .chain(name(&own.comments, "ImageDescription"))
         .collect();
     // The crate keeps attributes in a hash map: a fixed order is worth a sort.
-    image.attributes.sort_by(|a, b| a.name.cmp(&b.name));
-    image
+    list.sort_by(|a, b| a.name.cmp(&b.name));
+    list
 }
 
-/// EXR files sort channels by name. Colours come first here, R, G, B, A, as OpenImageIO has them.
+/// EXR files sort channels by name. As OpenImageIO has them, layers (`albedo.R`) follow the picture, and
+/// colours are in the order R, G, B, A.
 fn reading_order(names: &[&str]) -> Vec<usize> {
-    let rank = |n: &str| ["R", "G", "B", "A"].iter().position(|&c| c == n);
+    let key = |c: &usize| {
+        let (layer, channel) = names[*c].rsplit_once('.').unwrap_or(("", names[*c]));
+        let color = ["R", "G", "B", "A"].iter().position(|&n| n == channel);
+        (layer, color.unwrap_or(4), *c)
+    };
     let mut order: Vec<usize> = (0..names.len()).collect();
-    order.sort_by_key(|&c| (rank(names[c]).unwrap_or(4), c));
+    order.sort_by(|a, b| key(a).cmp(&key(b)));
     order
 }
 
@@ -272,12 +282,7 @@ mod reading {
                 PixelType::Float
             },
             tile_height: 0,
-            attributes: header
-                .own_attributes
-                .other
-                .iter()
-                .filter_map(|(name, value)| to_attribute(&name.to_string(), value))
-                .collect(),
+            attributes: attributes(&header.shared_attributes, &header.own_attributes),
             format: "openexr".into(),
         }
     }
