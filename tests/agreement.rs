@@ -8,6 +8,10 @@
 //! Means of 8 x 8 blocks are compared by a z-test that counts both images' errors: 99 % of the blocks
 //! must lie within the band that holds 99.9 % of equal ones, and the mean of the image must agree
 //! within 1 % or 3 standard errors.
+//!
+//! Scenes with rare, very bright paths (caustics, light through a gap) need many samples before a block's
+//! own variance tells the truth about its error; those take minutes and are ignored unless asked for:
+//! `cargo test --release --test agreement -- --ignored`.
 
 use exr::prelude::{ReadChannels, ReadLayers, read};
 use std::path::{Path, PathBuf};
@@ -185,56 +189,61 @@ fn cornell_box_agrees() {
 }
 
 #[test]
+#[ignore = "minutes: rare bright paths need many samples before their variance can be trusted"]
 fn veach_ajar_agrees() {
     check(&Case {
         folder: "veach-ajar",
         file: "scene.xml",
         arguments: &[],
-        spp: 64,
+        spp: 1024,
         mean_tolerance: 0.01,
     });
 }
 
 #[test]
+#[ignore = "minutes: rare bright paths need many samples before their variance can be trusted"]
 fn kitchen_agrees() {
     check(&Case {
         folder: "kitchen",
         file: "scene_v3_env.xml",
         arguments: &[],
-        spp: 64,
+        spp: 1024,
         mean_tolerance: 0.01,
     });
 }
 
 #[test]
+#[ignore = "minutes: rare bright paths need many samples before their variance can be trusted"]
 fn torus_agrees() {
     check(&Case {
         folder: "torus",
         file: "scene_v3_env.xml",
         arguments: &[],
-        spp: 64,
+        spp: 1024,
         mean_tolerance: 0.01,
     });
 }
 
 #[test]
+#[ignore = "minutes: rare bright paths need many samples before their variance can be trusted"]
 fn pool_agrees() {
     check(&Case {
         folder: "lux-pool",
         file: "scene.xml",
         arguments: &[],
-        spp: 64,
+        spp: 1024,
         mean_tolerance: 0.01,
     });
 }
 
 #[test]
+#[ignore = "minutes: rare bright paths need many samples before their variance can be trusted"]
 fn caustics_agree() {
     check(&Case {
         folder: "cbox-caustics",
         file: "scene11_v3_area.xml",
         arguments: &[],
-        spp: 64,
+        spp: 1024,
         mean_tolerance: 0.01,
     });
 }
