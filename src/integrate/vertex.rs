@@ -15,7 +15,7 @@ use crate::texture::SurfacePoint;
 /// A shadow ray stops this much short of the light, relative to the distance, so as not to meet the
 /// light's own surface. An occluder closer to the light than this is not seen.
 const SHADOW_MARGIN: f32 = 1e-4;
-/// Roulette lets every path live at least this often to die: paths between mirrors end (Mitsuba's bound).
+/// Roulette lets no path live more often than this, so that paths between mirrors end (Mitsuba's bound).
 const MAX_SURVIVAL: f32 = 0.95;
 
 /// Light that a sample receives if nothing is in between.
@@ -34,6 +34,14 @@ pub struct Next {
     pub ray: Option<Ray>,
     /// A shadow ray to trace.
     pub shadow: Option<(Ray, ShadowRay)>,
+}
+
+impl Next {
+    /// The path ends here.
+    pub const END: Next = Next {
+        ray: None,
+        shadow: None,
+    };
 }
 
 /// Handles what `ray` met: adds emission to `outcome`, samples a light, samples the BSDF (and the field,
@@ -108,6 +116,18 @@ pub fn visit(
     }
 }
 
+/// MIS weight of light that the path met by itself, against next-event estimation, which would have
+/// drawn it with density `light_pdf`. What no light sample can find (through a delta lobe, or straight
+/// from the camera) counts in full, and its density is not asked for.
+#[inline]
+fn weight_of_hit(path: &Path, light_pdf: impl FnOnce() -> f32) -> f32 {
+    if path.pdf.is_finite() {
+        power_heuristic(path.pdf, light_pdf())
+    } else {
+        1.0
+    }
+}
+
 /// Adds what shines from outside the scene.
 fn add_environment(
     scene: &Scene,
@@ -124,14 +144,10 @@ fn add_environment(
     if radiance == Rgb::ZERO {
         return;
     }
-    let weight = if path.pdf.is_finite() {
-        let light_pdf = scene
-            .lights
-            .pdf_environment(path.from, path.from_normal, ray.dir);
-        power_heuristic(path.pdf, light_pdf)
-    } else {
-        1.0
-    };
+    let weight = weight_of_hit(path, || {
+        let lights = &scene.lights;
+        lights.pdf_environment(path.from, path.from_normal, ray.dir)
+    });
     outcome.radiance += path.throughput * radiance * weight;
 }
 
@@ -152,20 +168,12 @@ fn add_emission(
     if radiance == Rgb::ZERO {
         return;
     }
-    let weight = if path.pdf.is_finite() {
-        let lights = &scene.lights;
-        let light_pdf = lights.pdf_area(
-            path.from,
-            path.from_normal,
-            emitter,
-            point.prim,
-            point.p,
-            point.ng,
-        );
-        power_heuristic(path.pdf, light_pdf)
-    } else {
-        1.0
-    };
+    let weight = weight_of_hit(path, || {
+        let (from, n) = (path.from, path.from_normal);
+        scene
+            .lights
+            .pdf_area(from, n, emitter, point.prim, point.p, point.ng)
+    });
     outcome.radiance += path.throughput * radiance * weight;
 }
 

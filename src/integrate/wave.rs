@@ -2,7 +2,7 @@
 
 use super::PathSettings;
 use super::guiding::Guide;
-use super::vertex::{self, Next, ShadowRay};
+use super::vertex::{self, ShadowRay};
 use crate::accel::{Hit, Ray};
 use crate::camera::CameraRay;
 use crate::math::{PathSampler, Rgb, Vec3};
@@ -158,12 +158,4 @@ impl Wave {
             }
         }
     }
-}
-
-impl Next {
-    /// The path ends here.
-    pub const END: Next = Next {
-        ray: None,
-        shadow: None,
-    };
 }
