@@ -1,6 +1,6 @@
 //! What can be typed: the single source of parsing and of `--help`.
 
-use super::values::{self, Crop, Definition, Depth, Preview};
+use super::values::{self, Crop, Definition, Depth, PixelAt, Preview};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -125,6 +125,9 @@ pub struct RenderArgs {
     /// Light transport.
     #[command(flatten)]
     pub light: LightArgs,
+    /// Samples that went wrong.
+    #[command(flatten)]
+    pub doubt: DoubtArgs,
     /// Ray tracer [default: embree, where it was compiled in]
     #[arg(long, value_name = "NAME", help_heading = "Machine")]
     pub accel: Option<Accel>,
@@ -179,6 +182,27 @@ pub struct FileArgs {
     /// Write measurements as JSON
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub stats: Option<PathBuf>,
+}
+
+/// Samples that went wrong.
+#[derive(Args, Debug)]
+pub struct DoubtArgs {
+    /// End with exit code 3 if a sample or a photon was not finite and had to be left out; the image
+    /// is written all the same
+    #[arg(long, help_heading = "Doubt")]
+    pub strict: bool,
+    /// Trace one sample of this pixel and print its path; nothing is written
+    #[arg(long, value_name = "X,Y", help_heading = "Doubt")]
+    pub pixel: Option<PixelAt>,
+    /// Which sample of the pixel, from 0
+    #[arg(
+        long,
+        value_name = "I",
+        default_value_t = 0,
+        requires = "pixel",
+        help_heading = "Doubt"
+    )]
+    pub sample: u64,
 }
 
 /// When to stop: whichever comes first.

@@ -5,6 +5,7 @@
 //! | 0 | done |
 //! | 1 | the machine refused: an output cannot be written, memory ran out, an internal error |
 //! | 2 | the command line or the scene is wrong; nothing was rendered |
+//! | 3 | with `--strict`: samples were not finite; the image was written without them |
 //! | 130 | interrupted; an image that had begun was written |
 
 use crate::accel::AccelError;
@@ -17,6 +18,8 @@ use crate::scene::import::ImportError;
 pub const FAILED: u8 = 1;
 /// Exit code when the command line or the scene is wrong.
 pub const WRONG: u8 = 2;
+/// Exit code when samples were not finite and `--strict` asks.
+pub const INVALID: u8 = 3;
 /// Exit code after Ctrl-C or SIGTERM: 128 and the number of SIGINT, as shells have it.
 pub const INTERRUPTED: u8 = 130;
 
@@ -27,6 +30,8 @@ pub enum Failure {
     Wrong(String),
     /// The machine refused.
     Refused(String),
+    /// Samples were left out, and that was asked to be an error; how many.
+    Invalid(String),
     /// The user asked for it; all is said already.
     Interrupted,
 }
@@ -45,7 +50,7 @@ impl Failure {
     /// What to print; `None` where nothing is left to say.
     pub fn text(&self) -> Option<String> {
         match self {
-            Self::Wrong(text) | Self::Refused(text) => Some(text.clone()),
+            Self::Wrong(text) | Self::Refused(text) | Self::Invalid(text) => Some(text.clone()),
             Self::Interrupted => None,
         }
     }
@@ -55,6 +60,7 @@ impl Failure {
         match self {
             Self::Wrong(_) => WRONG,
             Self::Refused(_) => FAILED,
+            Self::Invalid(_) => INVALID,
             Self::Interrupted => INTERRUPTED,
         }
     }

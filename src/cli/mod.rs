@@ -10,6 +10,7 @@ pub mod console;
 pub mod failure;
 pub mod info;
 pub mod interrupt;
+pub mod invalid;
 pub mod load;
 pub mod memory;
 pub mod output;
@@ -17,6 +18,7 @@ pub mod overrides;
 pub mod preview;
 pub mod progress;
 pub mod render;
+pub mod single;
 pub mod threads;
 pub mod values;
 

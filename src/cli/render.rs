@@ -8,14 +8,13 @@ use super::output::Outputs;
 use super::preview::Tev;
 use super::progress::Watch;
 use super::values::Preview;
-use super::{Failure, memory, overrides, threads};
+use super::{Failure, invalid, memory, overrides, threads};
 use crate::accel::{Backend, BuildSettings};
 use crate::camera::Camera;
 use crate::film::Film;
 use crate::film::layers::Metadata;
 use crate::integrate::PathSettings;
-use crate::integrate::guiding::Guide;
-use crate::integrate::learn::learn;
+use crate::integrate::learn::{Learned, learn};
 use crate::integrate::render::{StoppedBy, Summary, View, render};
 use crate::report::scene::triangles;
 use crate::report::stats::Stats;
@@ -25,7 +24,7 @@ use std::time::{Duration, Instant};
 
 /// Seconds that the parts of a command took.
 #[derive(Clone, Copy, Debug, Default)]
-struct Times {
+pub(super) struct Times {
     load: f64,
     build: f64,
     train: f64,
@@ -34,10 +33,20 @@ struct Times {
 
 /// What is rendered, and how.
 struct Setting<'a> {
-    scene: &'a Scene,
     loaded: &'a Loaded,
-    path: &'a PathSettings,
-    guide: Option<&'a Guide>,
+    prepared: &'a Prepared,
+}
+
+/// Everything that stands before the first sample is taken.
+pub(super) struct Prepared {
+    /// The scene, built.
+    pub scene: Scene,
+    /// How paths are traced.
+    pub settings: PathSettings,
+    /// The field, if one is wanted.
+    pub learned: Option<Learned>,
+    /// How long that took.
+    pub times: Times,
 }
 
 /// Renders and writes.
@@ -45,10 +54,13 @@ struct Setting<'a> {
 /// # Errors
 /// When the scene cannot be used or an image cannot be written; after an interrupt, with all written.
 pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
+    if let Some(pixel) = args.doubt.pixel {
+        return super::single::run(args, pixel.0);
+    }
     let interrupt = Interrupt::listen()?;
     let outputs = Outputs::plan(&args.files, &args.scene.scene)?;
-    let mut times = Times::default();
-    let mut loaded = timed(&mut times.load, || load::load(&args.scene))?;
+    let mut load_seconds = 0.0;
+    let mut loaded = timed(&mut load_seconds, || load::load(&args.scene))?;
     overrides::apply_to_film(args, &mut loaded.description)?;
     let triangles = triangles(&loaded.description);
     tracing::info!(
@@ -56,36 +68,25 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
         args.scene.scene.display(),
         loaded.description.shapes.len(),
         words::count(triangles as f64),
-        words::time(times.load)
+        words::time(load_seconds)
     );
-    let scene = timed(&mut times.build, || build(args, &mut loaded))?;
-    tracing::debug!(
-        "{} holds {}, built in {}",
-        scene.rays.name(),
-        words::bytes(scene.rays.memory_bytes() as u64),
-        words::time(times.build)
-    );
+    let mut prepared = prepare(args, &mut loaded)?;
+    prepared.times.load = load_seconds;
     let mut film = Film::new(&loaded.description.film);
-    let settings = overrides::path_settings(&args.light, &loaded.description.render);
-    let guide = timed(&mut times.train, || train(args, &scene, &settings))?;
-    let view = Setting {
-        scene: &scene,
+    let setting = Setting {
         loaded: &loaded,
-        path: &settings,
-        guide: guide.as_ref(),
+        prepared: &prepared,
     };
-    let summary = trace(args, console, &interrupt, &outputs, &view, &mut film);
-    let mut stats = measure(args, &scene, &loaded, &film, &summary);
-    (stats.triangles, stats.load_seconds, stats.build_seconds) =
-        (triangles, times.load, times.build);
-    (stats.train_seconds, stats.field_memory_bytes) =
-        (times.train, guide.as_ref().map_or(0, |g| g.field.bytes()));
+    let summary = trace(args, console, &interrupt, &outputs, &setting, &mut film);
+    let mut stats = measure(args, &setting, &film, &summary);
+    stats.triangles = triangles;
     tracing::info!("{}", stats.sentence());
-    warn_of_invalid_samples(&film);
-    if summary.samples == 0 {
+    invalid::warn(&film);
+    if summary.samples == 0 && summary.stopped_by == StoppedBy::Interrupt {
         tracing::warn!("no sample was finished: nothing is written");
         return Err(Failure::Interrupted);
     }
+    let mut times = prepared.times;
     let written = timed(&mut times.write, || {
         let exposure = loaded.description.film.exposure;
         outputs.write_images(&film, &args.files, exposure, &metadata(args, &stats))
@@ -94,10 +95,34 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
     stats.peak_memory_bytes = memory::peak_bytes();
     outputs.write_stats(&stats.to_json())?;
     written?;
-    match summary.stopped_by {
-        StoppedBy::Interrupt => Err(Failure::Interrupted),
-        _ => Ok(()),
+    if summary.stopped_by == StoppedBy::Interrupt {
+        return Err(Failure::Interrupted);
     }
+    let left_out = invalid::LeftOut {
+        samples: stats.invalid_samples,
+        photons: prepared.learned.as_ref().map_or(0, |l| l.counts.invalid),
+    };
+    invalid::check(args, left_out)
+}
+
+/// Builds the scene and learns the field.
+pub(super) fn prepare(args: &RenderArgs, loaded: &mut Loaded) -> Result<Prepared, Failure> {
+    let mut times = Times::default();
+    let scene = timed(&mut times.build, || build(args, loaded))?;
+    tracing::debug!(
+        "{} holds {}, built in {}",
+        scene.rays.name(),
+        words::bytes(scene.rays.memory_bytes() as u64),
+        words::time(times.build)
+    );
+    let settings = overrides::path_settings(&args.light, &loaded.description.render);
+    let learned = timed(&mut times.train, || train(args, &scene, &settings))?;
+    Ok(Prepared {
+        scene,
+        settings,
+        learned,
+        times,
+    })
 }
 
 fn timed<T>(seconds: &mut f64, work: impl FnOnce() -> T) -> T {
@@ -121,7 +146,11 @@ fn build(args: &RenderArgs, loaded: &mut Loaded) -> Result<Scene, Failure> {
 }
 
 /// Learns the field, if one is wanted, and says what came of it.
-fn train(args: &RenderArgs, scene: &Scene, path: &PathSettings) -> Result<Option<Guide>, Failure> {
+fn train(
+    args: &RenderArgs,
+    scene: &Scene,
+    path: &PathSettings,
+) -> Result<Option<Learned>, Failure> {
     let Some(settings) = overrides::learn_settings(&args.light, path) else {
         return Ok(None);
     };
@@ -145,7 +174,7 @@ fn train(args: &RenderArgs, scene: &Scene, path: &PathSettings) -> Result<Option
             learned.counts.invalid
         );
     }
-    Ok(Some(learned.guide))
+    Ok(Some(learned))
 }
 
 fn trace(
@@ -176,24 +205,21 @@ fn trace(
     let watch = Watch::start(interrupt, console, limits, film, preview);
     interrupt.be_patient();
     let view = View {
-        scene: setting.scene,
+        scene: &setting.prepared.scene,
         camera: &camera,
         film: &description.film,
-        settings: setting.path,
-        guide: setting.guide,
+        settings: &setting.prepared.settings,
+        guide: setting.prepared.learned.as_ref().map(|l| &l.guide),
     };
     let summary = render(&view, film, &limits, &watch);
     watch.finish(film);
     summary
 }
 
-fn measure(
-    args: &RenderArgs,
-    scene: &Scene,
-    loaded: &Loaded,
-    film: &Film,
-    summary: &Summary,
-) -> Stats {
+fn measure(args: &RenderArgs, setting: &Setting, film: &Film, summary: &Summary) -> Stats {
+    let Setting { loaded, prepared } = setting;
+    let Prepared { scene, times, .. } = prepared;
+    let field = prepared.learned.as_ref().map(|l| &l.guide.field);
     // A render of no time at all has no rate to speak of, and must not divide by zero.
     let seconds = summary.elapsed.max(Duration::from_nanos(1)).as_secs_f64();
     Stats {
@@ -217,10 +243,10 @@ fn measure(
         rays_per_second: summary.rays as f64 / seconds,
         noise: summary.noise,
         invalid_samples: film.invalid_samples(),
-        load_seconds: 0.0,
-        build_seconds: 0.0,
-        train_seconds: 0.0,
-        field_memory_bytes: 0,
+        load_seconds: times.load,
+        build_seconds: times.build,
+        train_seconds: times.train,
+        field_memory_bytes: field.map_or(0, |f| f.bytes()),
         render_seconds: summary.elapsed.as_secs_f64(),
         write_seconds: 0.0,
         peak_memory_bytes: None,
@@ -229,16 +255,6 @@ fn measure(
         triangles: 0,
         warnings: loaded.description.warnings.clone(),
     }
-}
-
-fn warn_of_invalid_samples(film: &Film) {
-    let Some((x, y, sample)) = film.first_invalid() else {
-        return;
-    };
-    tracing::warn!(
-        "{} samples were not finite and were left out; the first is sample {sample} of pixel {x},{y}",
-        film.invalid_samples()
-    );
 }
 
 /// What a file says about how it was made.

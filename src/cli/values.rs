@@ -47,6 +47,25 @@ impl FromStr for Crop {
     }
 }
 
+/// A pixel of the full film.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PixelAt(
+    /// x from the left and y from the top, from 0.
+    pub [u32; 2],
+);
+
+impl FromStr for PixelAt {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers: Result<Vec<u32>, _> = text.split(',').map(|t| t.trim().parse()).collect();
+        match numbers.as_deref() {
+            Ok(&[x, y]) => Ok(Self([x, y])),
+            _ => Err("expected two whole numbers x,y such as 160,90".into()),
+        }
+    }
+}
+
 /// A value for a `$name` in a scene file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Definition {

@@ -83,7 +83,7 @@ struct Layer {
 const PICTURE: Layer = Layer {
     names: &["R", "G", "B"],
     stored: None,
-    read: |p, out| out.extend(p.mean().map(|x| x as f32)),
+    read: |p, out| out.extend(p.mean().map(single)),
 };
 const ALBEDO: Layer = Layer {
     names: &["albedo.R", "albedo.G", "albedo.B"],
@@ -103,7 +103,7 @@ const DEPTH: Layer = Layer {
 const VARIANCE: Layer = Layer {
     names: &["variance.R", "variance.G", "variance.B"],
     stored: Some(PixelType::Float),
-    read: |p, out| out.extend(p.variance_of_mean().map(|x| x as f32)),
+    read: |p, out| out.extend(p.variance_of_mean().map(single)),
 };
 const SAMPLES: Layer = Layer {
     names: &["samples.Y"],
@@ -111,9 +111,14 @@ const SAMPLES: Layer = Layer {
     read: |p, out| out.push(p.count as f32),
 };
 
+/// The nearest finite `f32`: radiances of 1e20 have variances that would be infinite.
+fn single(x: f64) -> f32 {
+    x.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32
+}
+
 fn average(sum: f64, count: u64) -> f32 {
     if count > 0 {
-        (sum / count as f64) as f32
+        single(sum / count as f64)
     } else {
         0.0
     }

@@ -45,9 +45,9 @@ impl Pixel {
     /// Adds a finite sample.
     #[inline]
     pub fn add(&mut self, s: &Sample) {
-        let weighted = s.radiance * s.weight;
         for c in 0..3 {
-            let value = f64::from(weighted[c]);
+            // In f64: the product of two finite f32 would overflow beyond 3.4e38.
+            let value = f64::from(s.radiance[c]) * f64::from(s.weight);
             self.radiance[c] += value;
             self.squares[c] += value * value;
             self.albedo[c] += f64::from(s.albedo[c]);
@@ -108,8 +108,11 @@ impl Tile {
     /// Adds sample number `index` of the tile's pixel `i`. One that is not finite is dropped and counted.
     #[inline]
     pub fn add(&mut self, i: usize, index: u64, sample: &Sample) {
-        let finite =
-            sample.radiance.is_finite() & sample.albedo.is_finite() & sample.normal.is_finite();
+        let colors = sample.radiance.is_finite() & sample.albedo.is_finite();
+        let finite = colors
+            & sample.normal.is_finite()
+            & sample.depth.is_finite()
+            & sample.weight.is_finite();
         if finite {
             self.pixels[i].add(sample);
             return;

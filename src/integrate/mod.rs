@@ -10,6 +10,7 @@
 //! order, so neither the tiles nor the threads can change a bit of the image.
 
 pub mod guiding;
+pub mod inspect;
 pub mod learn;
 pub mod render;
 pub mod vertex;

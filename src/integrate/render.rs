@@ -3,10 +3,10 @@
 use super::PathSettings;
 use super::guiding::Guide;
 use super::wave::Wave;
-use crate::camera::Camera;
+use crate::camera::{Camera, CameraRay};
 use crate::film::filter::FilterSampler;
 use crate::film::{Film, FilmDescription, Sample, Tile};
-use crate::math::Vec2;
+use crate::math::{PathSampler, Vec2};
 use crate::scene::Scene;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -252,16 +252,26 @@ impl Job<'_> {
     /// Starts a sample of pixel `(x, y)` and returns its filter weight.
     #[inline]
     fn start(&self, x: u32, y: u32, sample: u64, wave: &mut Wave) -> f32 {
-        let pixel = u64::from(y) * u64::from(self.view.film.width) + u64::from(x);
-        let mut sampler = self.view.settings.sampler(pixel, sample);
-        let u = sampler.next4();
-        let place = self.filter.sample(Vec2::new(u[0], u[1]));
-        let center = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
-        let ray = self
-            .view
-            .camera
-            .ray(center + place.offset, Vec2::new(u[2], u[3]));
+        let (ray, sampler, weight) = first_ray(&self.view, &self.filter, [x, y], sample);
         wave.push(ray, sampler);
-        place.weight
+        weight
     }
+}
+
+/// How sample number `sample` of a pixel begins: its camera ray, the numbers to come, its filter weight.
+#[inline]
+pub(super) fn first_ray(
+    view: &View,
+    filter: &FilterSampler,
+    [x, y]: [u32; 2],
+    sample: u64,
+) -> (CameraRay, PathSampler, f32) {
+    let pixel = u64::from(y) * u64::from(view.film.width) + u64::from(x);
+    let mut sampler = view.settings.sampler(pixel, sample);
+    let u = sampler.next4();
+    let place = filter.sample(Vec2::new(u[0], u[1]));
+    let center = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
+    let lens = Vec2::new(u[2], u[3]);
+    let ray = view.camera.ray(center + place.offset, lens);
+    (ray, sampler, place.weight)
 }

@@ -33,6 +33,25 @@ pub struct Path {
     pub sampler: PathSampler,
 }
 
+impl Path {
+    /// A path that begins at the camera.
+    #[inline]
+    pub fn new(camera: &CameraRay, sampler: PathSampler, slot: u32) -> Self {
+        Self {
+            throughput: Rgb::ONE,
+            pdf: f32::INFINITY,
+            from: camera.ray.org,
+            from_normal: Vec3::ZERO,
+            eta: 1.0,
+            depth: 0,
+            slot,
+            cone_width: camera.cone_width,
+            cone_spread: camera.cone_spread,
+            sampler,
+        }
+    }
+}
+
 /// What the camera sees first along a sample: for the AOVs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FirstHit {
@@ -77,18 +96,8 @@ impl Wave {
     /// Adds a sample. Its outcome will stand at the same place in [`Wave::trace`]'s answer.
     #[inline]
     pub fn push(&mut self, camera: CameraRay, sampler: PathSampler) {
-        self.paths.push(Path {
-            throughput: Rgb::ONE,
-            pdf: f32::INFINITY,
-            from: camera.ray.org,
-            from_normal: Vec3::ZERO,
-            eta: 1.0,
-            depth: 0,
-            slot: self.outcomes.len() as u32,
-            cone_width: camera.cone_width,
-            cone_spread: camera.cone_spread,
-            sampler,
-        });
+        let slot = self.outcomes.len() as u32;
+        self.paths.push(Path::new(&camera, sampler, slot));
         self.rays.push(camera.ray);
         self.outcomes.push(Outcome::default());
     }

@@ -2,6 +2,7 @@
 
 mod errors;
 mod inspect;
+mod invalid;
 mod messages;
 mod outputs;
 mod stopping;

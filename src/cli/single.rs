@@ -1,0 +1,110 @@
+//! `twintree render --pixel x,y --sample i`: one sample, traced again and printed vertex by vertex.
+
+use super::args::RenderArgs;
+use super::render::{Prepared, prepare};
+use super::{Failure, overrides};
+use crate::camera::Camera;
+use crate::film::FilmDescription;
+use crate::integrate::inspect::{Step, Traced, trace_sample};
+use crate::integrate::render::View;
+use crate::math::{Rgb, Vec3};
+use std::fmt::Write as _;
+
+/// Traces the sample and prints its path.
+///
+/// # Errors
+/// When the scene cannot be used, or the pixel is not on the film.
+pub fn run(args: &RenderArgs, pixel: [u32; 2]) -> Result<(), Failure> {
+    let mut loaded = super::load::load(&args.scene)?;
+    overrides::apply_to_film(args, &mut loaded.description)?;
+    let film = loaded.description.film.clone();
+    check_pixel(&film, pixel)?;
+    let shapes = loaded.description.shapes.iter();
+    let names: Vec<String> = shapes.map(|s| s.name.clone()).collect();
+    let Prepared {
+        scene,
+        settings,
+        learned,
+        ..
+    } = prepare(args, &mut loaded)?;
+    let camera = Camera::new(&loaded.description.camera, film.width, film.height);
+    let view = View {
+        scene: &scene,
+        camera: &camera,
+        film: &film,
+        settings: &settings,
+        guide: learned.as_ref().map(|l| &l.guide),
+    };
+    let traced = trace_sample(&view, pixel, args.doubt.sample);
+    print!("{}", text(pixel, args.doubt.sample, &traced, &names));
+    Ok(())
+}
+
+fn check_pixel(film: &FilmDescription, [x, y]: [u32; 2]) -> Result<(), Failure> {
+    if x < film.width && y < film.height {
+        return Ok(());
+    }
+    Err(Failure::wrong(
+        format!(
+            "--pixel {x},{y} is beyond the film of {} x {} pixels",
+            film.width, film.height
+        ),
+        "x counts from the left and y from the top, both from 0, with the same --width and --height",
+    ))
+}
+
+/// The path in words: a line for the sample, then three for each edge.
+fn text([x, y]: [u32; 2], sample: u64, traced: &Traced, names: &[String]) -> String {
+    let Traced {
+        steps,
+        outcome,
+        weight,
+    } = traced;
+    let mut out = format!(
+        "sample {sample} of pixel {x},{y}: radiance {}, filter weight {weight}\n",
+        rgb(outcome.radiance)
+    );
+    let mut sum = Rgb::ZERO;
+    for (i, step) in steps.iter().enumerate() {
+        sum += step.gained();
+        // Writing to a String does not fail.
+        let _ = write!(out, "{}", edge(i + 1, step, sum, names));
+    }
+    out
+}
+
+fn edge(number: usize, step: &Step, sum: Rgb, names: &[String]) -> String {
+    let (org, dir) = (vector(step.ray.org), vector(step.ray.dir));
+    let met = match step.position() {
+        None => "nothing".to_owned(),
+        Some(p) => format!(
+            "\"{}\" (triangle {}) at {}, distance {:e}",
+            names
+                .get(step.hit.shape as usize)
+                .map_or("?", String::as_str),
+            step.hit.prim,
+            vector(p),
+            step.hit.t
+        ),
+    };
+    let light = match step.light {
+        None => "no light sample".to_owned(),
+        Some(l) if l.blocked => format!("light {} blocked", rgb(l.radiance)),
+        Some(l) => format!("light {}", rgb(l.radiance)),
+    };
+    format!(
+        "edge {number}: from {org} along {dir} meets {met}\n  throughput {}, pdf {:e}\n  emission {}, {light}, sum {}\n",
+        rgb(step.throughput),
+        step.pdf,
+        rgb(step.met),
+        rgb(sum)
+    )
+}
+
+fn rgb(c: Rgb) -> String {
+    format!("[{:e} {:e} {:e}]", c.x, c.y, c.z)
+}
+
+fn vector(v: Vec3) -> String {
+    format!("({}, {}, {})", v.x, v.y, v.z)
+}

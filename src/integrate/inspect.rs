@@ -1,0 +1,120 @@
+//! One sample of one pixel, vertex by vertex: for finding out where a bad sample went bad.
+//!
+//! The path takes the same numbers and the same steps as in a render, so its radiance has the same bits.
+
+use super::render::{View, first_ray};
+use super::vertex::visit;
+use super::wave::{Outcome, Path};
+use crate::accel::{Hit, Ray};
+use crate::film::filter::FilterSampler;
+use crate::math::{Rgb, Vec3};
+
+/// Light that a vertex's own light sample would bring.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightBrought {
+    /// Radiance that the sample gains if nothing is in between.
+    pub radiance: Rgb,
+    /// Whether something is.
+    pub blocked: bool,
+}
+
+/// What one edge of a path met, and what that gave.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// The ray.
+    pub ray: Ray,
+    /// What it met.
+    pub hit: Hit,
+    /// Product of BSDF weights with which the path arrived.
+    pub throughput: Rgb,
+    /// Density with which the ray's direction was drawn; infinite at the camera and after a delta lobe.
+    pub pdf: f32,
+    /// Radiance that the sample gained by what the ray met: emission of the surface or of the sky.
+    pub met: Rgb,
+    /// Radiance by the light sample that was drawn there.
+    pub light: Option<LightBrought>,
+}
+
+impl Step {
+    /// Where the ray met something.
+    pub fn position(&self) -> Option<Vec3> {
+        self.hit.is_some().then(|| self.ray.at(self.hit.t))
+    }
+
+    /// Radiance that the sample gained at this vertex.
+    pub fn gained(&self) -> Rgb {
+        let light = self.light.filter(|l| !l.blocked);
+        self.met + light.map_or(Rgb::ZERO, |l| l.radiance)
+    }
+}
+
+/// One sample.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Traced {
+    /// All edges of its path.
+    pub steps: Vec<Step>,
+    /// What it came to.
+    pub outcome: Outcome,
+    /// Its weight by the reconstruction filter.
+    pub weight: f32,
+}
+
+/// Traces sample number `sample` of the pixel `(x, y)` of the full film.
+pub fn trace_sample(view: &View, [x, y]: [u32; 2], sample: u64) -> Traced {
+    let filter = FilterSampler::new(view.film.filter);
+    let (camera, sampler, weight) = first_ray(view, &filter, [x, y], sample);
+    let mut path = Path::new(&camera, sampler, 0);
+    let mut traced = Traced {
+        steps: Vec::new(),
+        outcome: Outcome::default(),
+        weight,
+    };
+    let mut next = Some(camera.ray);
+    while let Some(ray) = next {
+        next = step(view, &ray, &mut path, &mut traced);
+    }
+    traced
+}
+
+/// One edge: the next ray, or none.
+fn step(view: &View, ray: &Ray, path: &mut Path, traced: &mut Traced) -> Option<Ray> {
+    let rays = &view.scene.rays;
+    // By the batch query, as in a render: a ray of a packet may differ from a single one in the last bit.
+    let mut hit = [Hit::NONE];
+    rays.intersect_batch(&[*ray], &mut hit);
+    let (throughput, pdf) = (path.throughput, path.pdf);
+    let before = traced.outcome.radiance;
+    traced.outcome.radiance = Rgb::ZERO;
+    let (scene, settings) = (view.scene, view.settings);
+    let next = visit(
+        scene,
+        settings,
+        view.guide,
+        ray,
+        &hit[0],
+        path,
+        &mut traced.outcome,
+    );
+    let met = traced.outcome.radiance;
+    traced.outcome.radiance = before + met;
+    let light = next.shadow.map(|(shadow, brought)| {
+        let mut blocked = [false];
+        rays.occluded_batch(&[shadow], &mut blocked);
+        if !blocked[0] {
+            traced.outcome.radiance += brought.radiance;
+        }
+        LightBrought {
+            radiance: brought.radiance,
+            blocked: blocked[0],
+        }
+    });
+    traced.steps.push(Step {
+        ray: *ray,
+        hit: hit[0],
+        throughput,
+        pdf,
+        met,
+        light,
+    });
+    next.ray
+}
