@@ -9,7 +9,7 @@ use super::textures::Role;
 use super::value::{Dialect, Value};
 use crate::camera::FovAxis;
 use crate::light::{Emitter, SunSky};
-use crate::math::{DVec3, Rgb};
+use crate::math::{DAffine3, DVec3, Rgb};
 use crate::scene::import::ImportError;
 use std::path::PathBuf;
 
@@ -48,6 +48,9 @@ impl<'a> Importer<'a> {
             (Some(position), None) => position,
             (None, to_world) => to_world.map_or(DVec3::ZERO, |m| m.translation),
         };
+        let position = self
+            .place(DAffine3::from_translation(position), None)
+            .translation;
         let intensity = self.color(p, "intensity", Role::Light)?;
         Ok(Emitter::Point {
             position: position.as_vec3(),
@@ -61,7 +64,7 @@ impl<'a> Importer<'a> {
         let intensity = self.color(p, "intensity", Role::Light)?;
         let texture = self.texture_given(p, "texture", Role::Number)?;
         Ok(Emitter::Spot {
-            to_world: single(p.to_world()?),
+            to_world: single(self.place(p.to_world()?, None)),
             intensity: intensity.unwrap_or(Rgb::ONE),
             cutoff_degrees: cutoff as f32,
             beam_degrees: beam as f32,
@@ -190,7 +193,7 @@ impl<'a> Importer<'a> {
         let irradiance = self.texture(p, "irradiance", 1.0, Role::Light)?;
         let (fov, axis) = sensors::field_of_view(self.document, p)?;
         Ok(Emitter::Projector {
-            to_world: single(p.to_world()?),
+            to_world: single(self.place(p.to_world()?, None)),
             irradiance,
             scale: p.float("scale", 1.0)? as f32,
             fov_degrees: horizontal(fov, axis, aspect) as f32,

@@ -43,7 +43,8 @@ pub(super) fn frame(shapes: &[Shape], instances: &[(u32, DAffine3)]) -> Sensor {
     }
 }
 
-fn world_bounds(shapes: &[Shape], instances: &[(u32, DAffine3)]) -> Bounds {
+/// Bounds of everything that rays can meet.
+pub(super) fn world_bounds(shapes: &[Shape], instances: &[(u32, DAffine3)]) -> Bounds {
     let groups = shapes.iter().filter_map(|s| s.group).max();
     let mut of_group = vec![Bounds::EMPTY; groups.map_or(0, |g| g as usize + 1)];
     let mut world = Bounds::EMPTY;
@@ -74,7 +75,8 @@ fn world_bounds(shapes: &[Shape], instances: &[(u32, DAffine3)]) -> Bounds {
     world
 }
 
-fn shape_bounds(geometry: &Geometry) -> Bounds {
+/// Bounds of a shape in its own space: the world, or its group.
+pub(super) fn shape_bounds(geometry: &Geometry) -> Bounds {
     match geometry {
         Geometry::Exact(shape) => shape.bounds(),
         Geometry::Mesh(mesh) => {

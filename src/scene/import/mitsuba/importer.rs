@@ -5,10 +5,10 @@ use super::names;
 use super::params::Params;
 use super::shapes::PendingShape;
 use super::value::Value;
-use super::{framing, integrators, meshes, sensors};
+use super::{framing, integrators, meshes, origin, sensors};
 use crate::bsdf::{MaterialId, Materials};
 use crate::light::Emitter;
-use crate::math::DAffine3;
+use crate::math::{DAffine3, DVec3};
 use crate::scene::Description;
 use crate::scene::description::RenderDescription;
 use crate::scene::import::{ImportError, ImportOptions};
@@ -34,6 +34,8 @@ pub(super) struct Importer<'a> {
     pub instances: Vec<(u32, DAffine3)>,
     pub render: RenderDescription,
     pub sensor: Option<sensors::Sensor>,
+    /// The point of the file's coordinates that becomes the world's origin.
+    origin: DVec3,
 }
 
 /// Imports a whole document.
@@ -42,6 +44,19 @@ pub(super) fn import(
     options: &ImportOptions,
 ) -> Result<Description, ImportError> {
     refuse_unknown_plugins(document)?;
+    let description = import_from(document, options, DVec3::ZERO)?;
+    match origin::far_origin(&description) {
+        Some(origin) => import_from(document, options, origin),
+        None => Ok(description),
+    }
+}
+
+/// Imports a document with the world's origin at the point `origin` of its coordinates.
+fn import_from(
+    document: &Document,
+    options: &ImportOptions,
+    origin: DVec3,
+) -> Result<Description, ImportError> {
     let mut importer = Importer {
         document,
         options,
@@ -56,6 +71,7 @@ pub(super) fn import(
         instances: Vec::new(),
         render: RenderDescription::default(),
         sensor: None,
+        origin,
     };
     importer.scene()?;
     importer.finish()
@@ -124,6 +140,14 @@ impl<'a> Importer<'a> {
         }
     }
 
+    /// Where something stands that the file places by `to_world`: in its group, or in the world.
+    pub fn place(&self, to_world: DAffine3, group: Option<u32>) -> DAffine3 {
+        match group {
+            Some(_) => to_world,
+            None => origin::seen_from(self.origin, to_world),
+        }
+    }
+
     /// Says that a medium is left out.
     pub fn no_media(&mut self, index: usize) -> Result<(), ImportError> {
         let object = &self.document.objects[index];
@@ -154,6 +178,9 @@ impl<'a> Importer<'a> {
         let shapes = meshes::load_all(&mut self, pending)?;
         if shapes.is_empty() && self.emitters.is_empty() {
             self.warn("the scene is empty: it has neither shapes nor lights".into());
+        }
+        for warning in origin::warnings(&shapes) {
+            self.warn(warning);
         }
         let groups = self.group_of.len() as u32;
         let sensor = match self.sensor.take() {

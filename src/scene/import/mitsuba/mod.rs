@@ -24,6 +24,7 @@ mod importer;
 mod integrators;
 mod meshes;
 mod names;
+mod origin;
 mod params;
 mod reader;
 mod references;

@@ -68,7 +68,7 @@ impl<'a> Importer<'a> {
         if far_clip <= near_clip {
             return Err(p.error("\"far_clip\" must be greater than \"near_clip\""));
         }
-        let given = p.to_world()?;
+        let given = self.place(p.to_world()?, None);
         if p.plugin() == "orthographic" {
             p.ignore(&["focus_distance"]);
             // Here the scale of the transform is the size of the picture.

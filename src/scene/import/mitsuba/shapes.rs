@@ -61,11 +61,11 @@ impl<'a> Importer<'a> {
         group: Option<u32>,
     ) -> Result<(), ImportError> {
         let (geometry, flip_normals) = match p.plugin() {
-            "obj" => (self.mesh_file(p, MeshKind::Obj)?, false),
-            "ply" => (self.mesh_file(p, MeshKind::Ply)?, false),
-            "serialized" => (self.mesh_file(p, MeshKind::Serialized)?, false),
-            "cube" => (cube(p)?, false),
-            _ => (self.exact(p)?, p.boolean("flip_normals", false)?),
+            "obj" => (self.mesh_file(p, MeshKind::Obj, group)?, false),
+            "ply" => (self.mesh_file(p, MeshKind::Ply, group)?, false),
+            "serialized" => (self.mesh_file(p, MeshKind::Serialized, group)?, false),
+            "cube" => (cube(p, self.place(p.to_world()?, group))?, false),
+            _ => (self.exact(p, group)?, p.boolean("flip_normals", false)?),
         };
         let radiance = self.radiance(p)?;
         if radiance.is_some() && group.is_some() {
@@ -124,6 +124,7 @@ impl<'a> Importer<'a> {
         &mut self,
         p: &Params<'a>,
         kind: MeshKind,
+        group: Option<u32>,
     ) -> Result<PendingGeometry, ImportError> {
         let Some(name) = p.text("filename")? else {
             return Err(p.error(format!("\"{}\" needs a \"filename\"", p.plugin())));
@@ -136,7 +137,7 @@ impl<'a> Importer<'a> {
         };
         let angle = p.number("max_smooth_angle")?;
         let options = MeshOptions {
-            to_world: p.to_world()?,
+            to_world: self.place(p.to_world()?, group),
             face_normals: p.boolean("face_normals", false)?,
             flip_normals: p.boolean("flip_normals", false)?,
             // Both dialects turn v around for OBJ, whose v points up while rows of images go down.
@@ -153,8 +154,12 @@ impl<'a> Importer<'a> {
         }))
     }
 
-    fn exact(&mut self, p: &Params<'a>) -> Result<PendingGeometry, ImportError> {
-        let to_world = p.to_world()?;
+    fn exact(
+        &mut self,
+        p: &Params<'a>,
+        group: Option<u32>,
+    ) -> Result<PendingGeometry, ImportError> {
+        let to_world = self.place(p.to_world()?, group);
         let (kind, local) = match p.plugin() {
             "sphere" => {
                 let center = p.vector("center")?.unwrap_or_default();
@@ -210,7 +215,8 @@ impl<'a> Importer<'a> {
             }
             _ => return Err(p.error("an instance needs a \"shapegroup\" inside (often a <ref>)")),
         };
-        self.instances.push((group, p.to_world()?));
+        let placed = self.place(p.to_world()?, None);
+        self.instances.push((group, placed));
         self.done(p);
         Ok(())
     }
@@ -238,8 +244,7 @@ fn cylinder(p: &Params) -> Result<DAffine3, ImportError> {
 
 /// The cube from -1 to 1: two triangles a face, so that each face has its own normal and the unit square
 /// as texture coordinates.
-fn cube(p: &Params) -> Result<PendingGeometry, ImportError> {
-    let to_world = p.to_world()?;
+fn cube(p: &Params, to_world: DAffine3) -> Result<PendingGeometry, ImportError> {
     // Faces stay turned outwards under a mirroring map, as Mitsuba's vertex normals do.
     let inward = p.boolean("flip_normals", false)? != (to_world.matrix3.determinant() < 0.0);
     let (mut positions, mut uvs, mut triangles) = (Vec::new(), Vec::new(), Vec::new());

@@ -43,14 +43,14 @@ fn one_triangle(_: &Path, _: MeshKind, options: &MeshOptions) -> Result<Loaded, 
 }
 
 /// A directory with a scene and what it names.
-struct Stage {
+pub(in super::super) struct Stage {
     directory: tempfile::TempDir,
     textures: Arc<Asked>,
     options: ImportOptions,
 }
 
 impl Stage {
-    fn new() -> Self {
+    pub(in super::super) fn new() -> Self {
         let textures = Arc::new(Asked::default());
         let mut options = ImportOptions::new(textures.clone());
         options.load_mesh = one_triangle;
@@ -67,7 +67,7 @@ impl Stage {
         std::fs::write(path, text).unwrap();
     }
 
-    fn define(mut self, name: &str, value: &str) -> Self {
+    pub(in super::super) fn define(mut self, name: &str, value: &str) -> Self {
         self.options.defines.push((name.into(), value.into()));
         self
     }
@@ -84,7 +84,7 @@ impl Stage {
     }
 
     /// Loads a Mitsuba 3 scene with `inside`, which must succeed.
-    fn modern(&self, inside: &str) -> Description {
+    pub(in super::super) fn modern(&self, inside: &str) -> Description {
         let text = format!("<scene version='3.0.0'>{SENSOR}{inside}</scene>");
         self.load(&text).unwrap_or_else(|e| panic!("{e}"))
     }
