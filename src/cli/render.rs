@@ -115,6 +115,15 @@ pub(super) fn prepare(args: &RenderArgs, loaded: &mut Loaded) -> Result<Prepared
         words::bytes(scene.rays.memory_bytes() as u64),
         words::time(times.build)
     );
+    if scene.lights.is_empty() {
+        tracing::warn!("nothing in the scene shines: the image will be black");
+    }
+    if scene.lights.rejected_texels() > 0 {
+        tracing::warn!(
+            "{} values of environment maps were negative or not finite and count as 0",
+            scene.lights.rejected_texels()
+        );
+    }
     let settings = overrides::path_settings(&args.light, &loaded.description.render);
     let learned = timed(&mut times.train, || train(args, &scene, &settings))?;
     Ok(Prepared {
@@ -155,7 +164,6 @@ fn train(
         return Ok(None);
     };
     if scene.lights.is_empty() {
-        tracing::warn!("nothing shines: there is nothing to learn from photons");
         return Ok(None);
     }
     let learned = learn(scene, &settings)?;

@@ -4,8 +4,8 @@ use super::support::{Place, read_exr};
 
 /// A light so bright and so close that what it gives is beyond the largest number.
 const TOO_BRIGHT: &str = r#"<emitter type="point">
-    <point name="position" x="-0.5" y="0" z="0.01"/>
-    <rgb name="intensity" value="1e37"/>
+    <point name="position" x="-0.5" y="0" z="0.1"/>
+    <rgb name="intensity" value="3e38"/>
   </emitter>
 </scene>"#;
 
