@@ -256,6 +256,14 @@ pub struct LightArgs {
         help_heading = "Light transport"
     )]
     pub photons: u64,
+    /// Camera paths that teach the field, with --guide double
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 1_000_000,
+        help_heading = "Light transport"
+    )]
+    pub paths: u64,
     /// Batches they come in, each twice as large as the one before
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=32), help_heading = "Light transport")]
     pub batches: u32,
