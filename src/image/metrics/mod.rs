@@ -14,6 +14,7 @@ pub mod flip;
 pub mod ssim;
 #[cfg(test)]
 mod tests;
+pub mod views;
 pub mod ztest;
 
 use super::{Image, curve::linear_to_srgb};
