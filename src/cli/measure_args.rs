@@ -47,16 +47,16 @@ pub struct CompareArgs {
 #[derive(Args, Debug)]
 pub struct LimitArgs {
     /// Largest relMSE
-    #[arg(long, value_name = "X", value_parser = values::limit, help_heading = "Limits: exit with 1 if an image passes one, or is not finite")]
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = values::limit, help_heading = "Limits: exit with 1 if an image passes one, or is not finite")]
     pub max_relmse: Option<f64>,
     /// Largest RMSE
-    #[arg(long, value_name = "X", value_parser = values::limit, help_heading = "Limits: exit with 1 if an image passes one, or is not finite")]
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = values::limit, help_heading = "Limits: exit with 1 if an image passes one, or is not finite")]
     pub max_rmse: Option<f64>,
     /// Largest mean FLIP
-    #[arg(long, value_name = "X", value_parser = values::limit, help_heading = "Limits: exit with 1 if an image passes one, or is not finite")]
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = values::limit, help_heading = "Limits: exit with 1 if an image passes one, or is not finite")]
     pub max_flip: Option<f64>,
     /// Smallest SSIM
-    #[arg(long, value_name = "X", value_parser = values::limit, help_heading = "Limits: exit with 1 if an image passes one, or is not finite")]
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = values::limit, help_heading = "Limits: exit with 1 if an image passes one, or is not finite")]
     pub min_ssim: Option<f64>,
 }
 

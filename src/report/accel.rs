@@ -21,7 +21,7 @@ pub struct AccelBench {
     pub shadow_blocked: f64,
     /// Meshes without a border that stand in the world by themselves.
     pub closed_meshes: usize,
-    /// Rays from inside them.
+    /// Rays of each kind from inside them.
     pub rays_inside: usize,
     /// One entry for each ray tracer, quality and mode.
     pub tracers: Vec<Tracer>,
@@ -64,8 +64,10 @@ pub struct Rates {
 pub struct Misses {
     /// Of rays in uniform directions.
     pub uniform: f64,
-    /// Of rays aimed at vertices and edges.
-    pub aimed: f64,
+    /// Of rays aimed at points of edges.
+    pub edges: f64,
+    /// Of rays aimed at vertices.
+    pub vertices: f64,
 }
 
 impl AccelBench {
@@ -79,13 +81,14 @@ impl AccelBench {
         let triangles = words::count(self.triangles as f64);
         let closed = match self.closed_meshes {
             0 => "no closed mesh".to_owned(),
-            n => format!("{n} closed meshes with {} rays inside", self.rays_inside),
+            1 => "1 closed mesh".to_owned(),
+            n => format!("{n} closed meshes"),
         };
         let threads = format!("x{}", self.threads);
         let of_all = ["camera", "shadow", "diffuse"].map(|kind| format!("{kind} {threads}"));
         let [camera, shadow, diffuse] = of_all.each_ref().map(String::as_str);
         let head = [
-            "M rays/s",
+            "tracer",
             "quality",
             "mode",
             "build s",
@@ -97,11 +100,12 @@ impl AccelBench {
             shadow,
             diffuse,
             "missed",
-            "missed edges",
+            "at edges",
+            "at vertices",
         ];
         let rows: Vec<Vec<String>> = self.tracers.iter().map(row).collect();
         format!(
-            "{}: {triangles} triangles, {} rays of each kind, {:.0} % of the shadow rays blocked, {closed}\n\n{}",
+            "{}: {triangles} triangles, {} rays of each kind, {:.0} % of the shadow rays blocked, {closed}; rates in M rays/s\n\n{}",
             self.scene,
             self.rays,
             100.0 * self.shadow_blocked,
@@ -123,7 +127,9 @@ fn row(of: &Tracer) -> Vec<String> {
         let list = [rates.camera, rates.shadow, rates.diffuse];
         cells.extend(list.map(|r| format!("{:.2}", 1e-6 * r)));
     }
-    cells.push(missed(of.misses.map(|m| m.uniform)));
-    cells.push(missed(of.misses.map(|m| m.aimed)));
+    let misses = of.misses;
+    cells.push(missed(misses.map(|m| m.uniform)));
+    cells.push(missed(misses.map(|m| m.edges)));
+    cells.push(missed(misses.map(|m| m.vertices)));
     cells
 }

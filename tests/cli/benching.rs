@@ -9,7 +9,7 @@ const QUICK: &str = "--rays 1024 --seconds 0";
 fn run(place: &Place, words: &str) -> serde_json::Value {
     let ran = place.run(&format!("bench accel {words} {QUICK} --json out.json"));
     let ran = ran.ok();
-    assert!(ran.out.contains("| M rays/s"), "{ran:#?}");
+    assert!(ran.out.contains("| tracer"), "{ran:#?}");
     serde_json::from_slice(&place.read("out.json")).unwrap()
 }
 
@@ -35,11 +35,16 @@ fn every_configuration_is_measured_on_a_mesh() {
         assert!(tracer["build_seconds"].as_f64() > Some(0.0), "{tracer:#}");
         assert!(tracer["memory_bytes"].as_u64() > Some(0), "{tracer:#}");
         assert_eq!(tracer["misses"]["uniform"], 0.0, "{tracer:#}");
-        // Robust or not, no tracer lets one in twenty through.
-        assert!(
-            tracer["misses"]["aimed"].as_f64() < Some(0.05),
-            "{tracer:#}"
-        );
+        // Robust, edges hold; Embree's vertices do not quite.
+        if tracer["mode"] == "robust" {
+            let is_ours = tracer["name"] == "obvhs 0.2";
+            let at_vertices = tracer["misses"]["vertices"].as_f64().unwrap();
+            assert_eq!(tracer["misses"]["edges"], 0.0, "{tracer:#}");
+            assert!(
+                at_vertices <= if is_ours { 0.0 } else { 0.05 },
+                "{tracer:#}"
+            );
+        }
     }
 }
 

@@ -18,8 +18,10 @@ use std::sync::Arc;
 pub struct InsideRays {
     /// In uniform directions.
     pub uniform: Vec<Ray>,
-    /// At vertices and at edges, in turn.
-    pub aimed: Vec<Ray>,
+    /// At points of edges.
+    pub edges: Vec<Ray>,
+    /// At vertices.
+    pub vertices: Vec<Ray>,
     /// Closed meshes that stand in the world by themselves.
     pub meshes: usize,
 }
@@ -29,7 +31,7 @@ const POINTS: usize = 64;
 /// Most triangles looked at while winding numbers are summed up: about a second.
 const WORK: usize = 100_000_000;
 
-/// About `count` rays, half of them aimed; none if no mesh is closed.
+/// So many rays of each kind; none if no mesh is closed.
 pub fn rays_inside(subject: &Subject, count: usize) -> InsideRays {
     let closed: Vec<&Arc<TriangleMesh>> = subject
         .world
@@ -50,13 +52,16 @@ pub fn rays_inside(subject: &Subject, count: usize) -> InsideRays {
         };
     }
     let from = |i: usize| points[i % points.len()];
-    let half = (count / 2).max(1);
-    let uniform = (0..half).map(|i| Ray::new(from(i).0, warp::uniform_sphere(two(&mut rng))));
+    let uniform = (0..count).map(|i| Ray::new(from(i).0, warp::uniform_sphere(two(&mut rng))));
     let uniform = uniform.collect();
-    let aimed = (0..half).map(|i| aimed(from(i), i % 2 == 0, &mut rng));
+    let edges = (0..count)
+        .map(|i| aimed(from(i), rng.next_f32(), &mut rng))
+        .collect();
+    let vertices = (0..count).map(|i| aimed(from(i), 0.0, &mut rng)).collect();
     InsideRays {
         uniform,
-        aimed: aimed.collect(),
+        edges,
+        vertices,
         meshes: closed.len(),
     }
 }
@@ -65,11 +70,10 @@ fn two(rng: &mut Pcg32) -> Vec2 {
     Vec2::new(rng.next_f32(), rng.next_f32())
 }
 
-/// A ray at a vertex, or at a point of an edge, of the mesh that surrounds the point.
-fn aimed((from, mesh): (Vec3, &TriangleMesh), vertex: bool, rng: &mut Pcg32) -> Ray {
+/// A ray at an edge of the mesh that surrounds the point: at a vertex if `along` is 0.
+fn aimed((from, mesh): (Vec3, &TriangleMesh), along: f32, rng: &mut Pcg32) -> Ray {
     let [a, b, _] = mesh.corners(rng.next_u32() % mesh.triangles().len() as u32);
-    let target = if vertex { a } else { a.lerp(b, rng.next_f32()) };
-    Ray::new(from, (target - from).normalize_or(Vec3::Z))
+    Ray::new(from, (a.lerp(b, along) - from).normalize_or(Vec3::Z))
 }
 
 /// Whether the mesh has no border. Vertices at one place are one: files repeat them along seams.

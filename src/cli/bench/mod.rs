@@ -42,7 +42,7 @@ fn accel(args: &BenchAccelArgs) -> Result<(), Failure> {
         triangles: subject.triangles,
         threads: threads::count(),
         rays: sets.camera.len(),
-        rays_inside: inside.uniform.len() + inside.aimed.len(),
+        rays_inside: inside.uniform.len(),
         closed_meshes: inside.meshes,
         shadow_blocked: sets.blocked_share(&*subject.scene.rays),
         tracers: Vec::new(),
@@ -165,7 +165,8 @@ impl closed::InsideRays {
         };
         (!self.uniform.is_empty()).then(|| Misses {
             uniform: share(&self.uniform),
-            aimed: share(&self.aimed),
+            edges: share(&self.edges),
+            vertices: share(&self.vertices),
         })
     }
 }
