@@ -1,5 +1,6 @@
 //! What can be typed: the single source of parsing and of `--help`.
 
+use super::measure_args::{Bench, CompareArgs};
 use super::values::{self, Crop, Definition, Depth, Preview};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -35,6 +36,11 @@ pub enum Command {
     Info(InfoArgs),
     /// Load a scene and say what is wrong with it; nothing is rendered
     Check(CheckArgs),
+    /// Say how far images are from a reference
+    Compare(CompareArgs),
+    /// Measure parts of the program
+    #[command(subcommand)]
+    Bench(Bench),
 }
 
 /// How much to say.

@@ -1,5 +1,7 @@
 //! What a user at the terminal notices: exit codes, messages, files.
 
+mod benching;
+mod comparing;
 mod errors;
 mod inspect;
 mod messages;
