@@ -35,6 +35,9 @@ pub enum Command {
     Info(InfoArgs),
     /// Load a scene and say what is wrong with it; nothing is rendered
     Check(CheckArgs),
+    /// Write man pages or shell completions into a directory
+    #[command(hide = true)]
+    Generate(GenerateArgs),
 }
 
 /// How much to say.
@@ -105,6 +108,24 @@ pub struct CheckArgs {
     /// Scene.
     #[command(flatten)]
     pub scene: SceneArgs,
+}
+
+/// Arguments of `twintree generate`.
+#[derive(Args, Debug)]
+pub struct GenerateArgs {
+    /// What to write
+    pub what: Manual,
+    /// Directory; made if there is none
+    pub directory: PathBuf,
+}
+
+/// What can be generated from this file.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Manual {
+    /// A man page for the program and one for each subcommand
+    Man,
+    /// Completions for bash, zsh and fish
+    Completions,
 }
 
 /// Arguments of `twintree render`.

@@ -8,6 +8,7 @@ pub mod args;
 pub mod check;
 pub mod console;
 pub mod failure;
+pub mod generate;
 pub mod info;
 pub mod interrupt;
 pub mod load;
@@ -37,6 +38,7 @@ impl Cli {
             Command::Render(args) => render::run(args, &console),
             Command::Info(args) => info::run(args),
             Command::Check(args) => check::run(args),
+            Command::Generate(args) => generate::run(args),
         }
     }
 }

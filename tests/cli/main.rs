@@ -1,6 +1,7 @@
 //! What a user at the terminal notices: exit codes, messages, files.
 
 mod errors;
+mod generated;
 mod inspect;
 mod messages;
 mod outputs;
