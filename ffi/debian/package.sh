@@ -10,9 +10,13 @@ cd "$(dirname "$0")/../.."
 
 program=target/release/twintree
 stage=target/debian/stage
-root=$stage/root
+root=$stage/debian/twintree
 out=target/debian
 maintainer="${DEBFULLNAME:-The twintree contributors} <${DEBEMAIL:-twintree@localhost.localdomain}>"
+
+# The time of the newest change, so that the same checkout gives the same package, bit for bit.
+SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct 2>/dev/null || stat -c %Y ffi/debian/changelog)}
+export SOURCE_DATE_EPOCH
 
 stop() {
     printf '%s\n' "package.sh: $*" >&2
@@ -83,9 +87,8 @@ list_libraries() {
 describe() {
     mkdir -p $stage/debian
     sed "s/@MAINTAINER@/$maintainer/" ffi/debian/control >$stage/debian/control
-    # The day of the newest change in the checkout, so that the same checkout gives the same package.
-    epoch=${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct 2>/dev/null || stat -c %Y ffi/debian/changelog)}
-    sed "s/@VERSION@/$(version)/; s/@MAINTAINER@/$maintainer/; s/@DATE@/$(date -R -u -d "@$epoch")/" \
+    sed "s/@VERSION@/$(version)/; s/@MAINTAINER@/$maintainer/
+        s/@DATE@/$(date --rfc-email --utc --date "@$SOURCE_DATE_EPOCH")/" \
         ffi/debian/changelog >$stage/debian/changelog
 }
 
@@ -94,8 +97,8 @@ write_control() {
     mkdir -p $root/DEBIAN
     (
         cd $stage
-        dpkg-shlibdeps -Tsubstvars -e root/usr/bin/twintree
-        dpkg-gencontrol -ptwintree -Proot -Tsubstvars -fdebian/files
+        dpkg-shlibdeps -Tdebian/substvars debian/twintree/usr/bin/twintree
+        dpkg-gencontrol -ptwintree -Pdebian/twintree -Tdebian/substvars
     )
     (cd $root && find usr -type f -print0 | sort -z | xargs -0 md5sum) >$root/DEBIAN/md5sums
     chmod 644 $root/DEBIAN/*

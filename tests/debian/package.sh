@@ -28,7 +28,7 @@ check_dependencies() {
 start_on_oldest_processor() {
     local image=$1
     [ "$(uname -m)" = x86_64 ] || return 0
-    enter "$image" qemu-x86_64 -cpu qemu64 target/debian/stage/root/usr/bin/twintree \
+    enter "$image" qemu-x86_64 -cpu qemu64 target/debian/stage/debian/twintree/usr/bin/twintree \
         render scenes/cornell/cornell.xml -D resx=16 -D resy=9 --spp 1 -o /tmp/oldest.exr
 }
 
