@@ -4,7 +4,7 @@
 #   cargo build --release && ffi/debian/package.sh
 #
 # writes target/debian/twintree_VERSION_ARCHITECTURE.deb and prints its name. Needs dpkg-dev and binutils.
-# The maintainer is DEBFULLNAME <DEBEMAIL>, as for Debian's own tools.
+# The maintainer is DEBFULLNAME <DEBEMAIL>, as for Debian's own tools; else an address that nobody has.
 set -eu
 cd "$(dirname "$0")/../.."
 
@@ -12,7 +12,7 @@ program=target/release/twintree
 stage=target/debian/stage
 root=$stage/debian/twintree
 out=target/debian
-maintainer="${DEBFULLNAME:-The twintree contributors} <${DEBEMAIL:-twintree@localhost.localdomain}>"
+maintainer="${DEBFULLNAME:-The twintree contributors} <${DEBEMAIL:-maintainers@twintree.invalid}>"
 
 # The time of the newest change, so that the same checkout gives the same package, bit for bit.
 SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct 2>/dev/null || stat -c %Y ffi/debian/changelog)}
