@@ -1,13 +1,22 @@
 # Install, build, test, render, as the README says. Sourced by tests/debian/run.
 
-# The checkout as it is, without what git ignores.
-copy_checkout() {
-    local image=$1
-    mkdir -p "$image/src/twintree"
+# The files of the checkout as they are, without what git ignores.
+list_checkout() {
+    cd "$checkout"
     # A checkout that belongs to somebody else is no danger here: nothing of it is run by git.
-    git -c safe.directory='*' -C "$checkout" ls-files -z --cached --others --exclude-standard |
+    if git -c safe.directory='*' rev-parse >/dev/null 2>&1; then
+        git -c safe.directory='*' ls-files -z --cached --others --exclude-standard
+    else
+        find . \( -name target -o -name .git \) -prune -o -type f -print0
+    fi
+}
+
+copy_checkout() {
+    local to=$1/src/twintree
+    mkdir -p "$to"
+    list_checkout |
         tar --create --directory "$checkout" --null --files-from - --ignore-failed-read |
-        tar --extract --no-same-owner --directory "$image/src/twintree"
+        tar --extract --no-same-owner --directory "$to"
 }
 
 # Debian 12's own Rust is too old: the host's of rustup, or a fresh one.
