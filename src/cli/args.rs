@@ -41,6 +41,9 @@ pub enum Command {
     /// Measure parts of the program
     #[command(subcommand)]
     Bench(Bench),
+    /// Write man pages or shell completions into a directory
+    #[command(hide = true)]
+    Generate(GenerateArgs),
 }
 
 /// How much to say.
@@ -111,6 +114,24 @@ pub struct CheckArgs {
     /// Scene.
     #[command(flatten)]
     pub scene: SceneArgs,
+}
+
+/// Arguments of `twintree generate`.
+#[derive(Args, Debug)]
+pub struct GenerateArgs {
+    /// What to write
+    pub what: Manual,
+    /// Directory; made if there is none
+    pub directory: PathBuf,
+}
+
+/// What can be generated from this file.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Manual {
+    /// A man page for the program and one for each subcommand
+    Man,
+    /// Completions for bash, zsh and fish
+    Completions,
 }
 
 /// Arguments of `twintree render`.

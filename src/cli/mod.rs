@@ -10,6 +10,7 @@ pub mod check;
 pub mod compare;
 pub mod console;
 pub mod failure;
+pub mod generate;
 pub mod info;
 pub mod interrupt;
 pub mod load;
@@ -42,6 +43,7 @@ impl Cli {
             Command::Check(args) => check::run(args),
             Command::Compare(args) => compare::run(args),
             Command::Bench(what) => bench::run(what),
+            Command::Generate(args) => generate::run(args),
         }
     }
 }

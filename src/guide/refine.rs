@@ -190,7 +190,7 @@ impl Trainer {
         let link = self.product.links[number as usize];
         let table = self.table(number, origin);
         let squares = self.tallies[number as usize].squares[origin as usize];
-        if squares == 0 || !(share > 0.0) || !self.space.is_seen(link.r) {
+        if squares == 0 || share <= 0.0 || share.is_nan() || !self.space.is_seen(link.r) {
             return None;
         }
         let n = table.total() * table.total() / squares as f64;

@@ -3,6 +3,7 @@
 mod benching;
 mod comparing;
 mod errors;
+mod generated;
 mod inspect;
 mod messages;
 mod outputs;
