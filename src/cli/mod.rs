@@ -5,13 +5,17 @@
 //! to standard error through [`console`]; standard output carries only what was asked for.
 
 pub mod args;
+pub mod bench;
 pub mod check;
+pub mod compare;
 pub mod console;
 pub mod failure;
+pub mod generate;
 pub mod info;
 pub mod interrupt;
 pub mod invalid;
 pub mod load;
+pub mod measure_args;
 pub mod memory;
 pub mod output;
 pub mod overrides;
@@ -39,6 +43,9 @@ impl Cli {
             Command::Render(args) => render::run(args, &console),
             Command::Info(args) => info::run(args),
             Command::Check(args) => check::run(args),
+            Command::Compare(args) => compare::run(args),
+            Command::Bench(what) => bench::run(what),
+            Command::Generate(args) => generate::run(args),
         }
     }
 }

@@ -43,6 +43,8 @@ pub(super) struct Prepared {
     pub scene: Scene,
     /// How paths are traced.
     pub settings: PathSettings,
+    /// From where.
+    pub camera: Camera,
     /// The field, if one is wanted.
     pub learned: Option<Learned>,
     /// How long that took.
@@ -125,10 +127,20 @@ pub(super) fn prepare(args: &RenderArgs, loaded: &mut Loaded) -> Result<Prepared
         );
     }
     let settings = overrides::path_settings(&args.light, &loaded.description.render);
-    let learned = timed(&mut times.train, || train(args, &scene, &settings))?;
+    let film = &loaded.description.film;
+    let camera = Camera::new(&loaded.description.camera, film.width, film.height);
+    let plain = View {
+        scene: &scene,
+        camera: &camera,
+        film,
+        settings: &settings,
+        guide: None,
+    };
+    let learned = timed(&mut times.train, || train(args, &plain))?;
     Ok(Prepared {
         scene,
         settings,
+        camera,
         learned,
         times,
     })
@@ -155,18 +167,14 @@ fn build(args: &RenderArgs, loaded: &mut Loaded) -> Result<Scene, Failure> {
 }
 
 /// Learns the field, if one is wanted, and says what came of it.
-fn train(
-    args: &RenderArgs,
-    scene: &Scene,
-    path: &PathSettings,
-) -> Result<Option<Learned>, Failure> {
-    let Some(settings) = overrides::learn_settings(&args.light, path) else {
+fn train(args: &RenderArgs, view: &View) -> Result<Option<Learned>, Failure> {
+    let Some(settings) = overrides::learn_settings(&args.light, view.settings) else {
         return Ok(None);
     };
-    if scene.lights.is_empty() {
+    if view.scene.lights.is_empty() {
         return Ok(None);
     }
-    let learned = learn(scene, &settings)?;
+    let learned = learn(view, &settings)?;
     tracing::info!(
         "learned from {} photons ({} landings) in {}: {} links in {} cells, {}",
         words::count(learned.counts.emitted as f64),
@@ -194,11 +202,6 @@ fn trace(
     film: &mut Film,
 ) -> Summary {
     let description = &setting.loaded.description;
-    let camera = Camera::new(
-        &description.camera,
-        description.film.width,
-        description.film.height,
-    );
     let limits = overrides::limits(&args.stop, &description.render);
     let preview = match &args.preview {
         Some(Preview::Tev(address)) => Tev::connect(address, &outputs.title(), film),
@@ -214,7 +217,7 @@ fn trace(
     interrupt.be_patient();
     let view = View {
         scene: &setting.prepared.scene,
-        camera: &camera,
+        camera: &setting.prepared.camera,
         film: &description.film,
         settings: &setting.prepared.settings,
         guide: setting.prepared.learned.as_ref().map(|l| &l.guide),

@@ -3,7 +3,6 @@
 use super::args::RenderArgs;
 use super::render::{Prepared, prepare};
 use super::{Failure, overrides};
-use crate::camera::Camera;
 use crate::film::FilmDescription;
 use crate::integrate::inspect::{Step, Traced, trace_sample};
 use crate::integrate::render::View;
@@ -24,10 +23,10 @@ pub fn run(args: &RenderArgs, pixel: [u32; 2]) -> Result<(), Failure> {
     let Prepared {
         scene,
         settings,
+        camera,
         learned,
         ..
     } = prepare(args, &mut loaded)?;
-    let camera = Camera::new(&loaded.description.camera, film.width, film.height);
     let view = View {
         scene: &scene,
         camera: &camera,

@@ -85,15 +85,13 @@ fn step(view: &View, ray: &Ray, path: &mut Path, traced: &mut Traced) -> Option<
     let (throughput, pdf) = (path.throughput, path.pdf);
     let before = traced.outcome.radiance;
     traced.outcome.radiance = Rgb::ZERO;
-    let (scene, settings) = (view.scene, view.settings);
     let next = visit(
-        scene,
-        settings,
-        view.guide,
+        &view.walk(),
         ray,
         &hit[0],
         path,
         &mut traced.outcome,
+        &mut (),
     );
     let met = traced.outcome.radiance;
     traced.outcome.radiance = before + met;
