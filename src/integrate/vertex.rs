@@ -227,7 +227,8 @@ fn sample_light(
         let pdf = guided.map_or(bsdf_pdf, |g| g.pdf(light.dir, bsdf_pdf));
         power_heuristic(light.pdf, pdf)
     };
-    let radiance = path.throughput * f * light.radiance * (weight / light.pdf);
+    // Large BSDFs (narrow lobes) meet small weights before bright lights: the other order overflows (S8).
+    let radiance = path.throughput * (f * (weight / light.pdf)) * light.radiance;
     let org = offset_origin(point.p, point.error, point.ng, light.dir);
     let mut ray = Ray::new(org, light.dir);
     if light.distance.is_finite() {
@@ -306,6 +307,10 @@ fn go_on(
         return None;
     }
     path.throughput *= sample.weight;
+    // Underflown: whatever it would meet counts for nothing (S21).
+    if path.throughput == Rgb::ZERO {
+        return None;
+    }
     path.eta *= sample.eta;
     let survival = match guided {
         Some(guided) => {

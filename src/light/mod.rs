@@ -103,7 +103,8 @@ impl Lights {
             self.sample_local(p, n, 1.0 - share, pick, place)
         }?;
         let above = n == Vec3::ZERO || sample.dir.dot(n) > 0.0;
-        above.then_some(sample)
+        // A density may underflow: a light that is never drawn brings nothing, and 0 / 0 is no number.
+        (above && sample.pdf > 0.0).then_some(sample)
     }
 
     /// Probability that [`Lights::sample`] draws from the distant lights.

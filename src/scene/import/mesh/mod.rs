@@ -115,7 +115,10 @@ pub fn load(path: &Path, kind: MeshKind, options: &MeshOptions) -> Result<Loaded
 }
 
 /// [`load`] of bytes in memory; `path` is for messages.
-fn read(
+///
+/// # Errors
+/// Those of [`load`], but for files that cannot be opened.
+pub fn read(
     data: &[u8],
     kind: MeshKind,
     options: &MeshOptions,
