@@ -75,14 +75,14 @@ pub fn learn(view: &View, settings: &LearnSettings) -> Result<Learned, GuideErro
             let (landed, batch) = trace_batch(view.scene, settings, photons);
             counts += batch;
             trainer.train(&landed, emitted);
-            trainer.refine_with(&landed, ROUNDS);
+            trainer.refine_rounds(ROUNDS);
         }
         if !paths.is_empty() {
             let guide =
                 (paths.start > 0 || settings.photons > 0).then(|| Guide::new(trainer.freeze()));
             let lessons = lessons(view, guide.as_ref(), paths);
             trainer.train_paths(&lessons.samples);
-            trainer.refine_with_paths(&lessons.samples, ROUNDS);
+            trainer.refine_rounds(ROUNDS);
         }
     }
     let field = trainer.freeze();
