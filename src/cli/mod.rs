@@ -6,12 +6,16 @@
 
 pub mod args;
 pub mod check;
+pub mod checkpoint;
 pub mod console;
 pub mod failure;
+pub mod finish;
+pub mod identity;
 pub mod info;
 pub mod interrupt;
 pub mod load;
 pub mod memory;
+pub mod merge;
 pub mod output;
 pub mod overrides;
 pub mod preview;
@@ -35,6 +39,7 @@ impl Cli {
         threads::start(self.threads)?;
         match &self.command {
             Command::Render(args) => render::run(args, &console),
+            Command::Merge(args) => merge::run(args),
             Command::Info(args) => info::run(args),
             Command::Check(args) => check::run(args),
         }

@@ -1,22 +1,24 @@
 //! `twintree render`: from a scene file to an image file.
 
 use super::args::{Accel, RenderArgs};
+use super::checkpoint::Checkpoint;
 use super::console::Console;
+use super::finish::Done;
+use super::identity::{self, Subject};
 use super::interrupt::Interrupt;
 use super::load::{self, Loaded};
 use super::output::Outputs;
 use super::preview::Tev;
 use super::progress::Watch;
 use super::values::Preview;
-use super::{Failure, memory, overrides, threads};
+use super::{Failure, overrides, threads};
 use crate::accel::{Backend, BuildSettings};
 use crate::camera::Camera;
 use crate::film::Film;
-use crate::film::layers::Metadata;
 use crate::integrate::PathSettings;
 use crate::integrate::guiding::Guide;
 use crate::integrate::learn::learn;
-use crate::integrate::render::{StoppedBy, Summary, View, render};
+use crate::integrate::render::{Limits, Spent, StoppedBy, Summary, View, resume};
 use crate::report::scene::triangles;
 use crate::report::stats::Stats;
 use crate::report::words;
@@ -29,7 +31,6 @@ struct Times {
     load: f64,
     build: f64,
     train: f64,
-    write: f64,
 }
 
 /// What is rendered, and how.
@@ -38,6 +39,10 @@ struct Setting<'a> {
     loaded: &'a Loaded,
     path: &'a PathSettings,
     guide: Option<&'a Guide>,
+    limits: Limits,
+    checkpoint: Option<&'a Checkpoint>,
+    /// What earlier goes have cost.
+    before: Spent,
 }
 
 /// Renders and writes.
@@ -45,8 +50,8 @@ struct Setting<'a> {
 /// # Errors
 /// When the scene cannot be used or an image cannot be written; after an interrupt, with all written.
 pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
-    let interrupt = Interrupt::listen()?;
-    let outputs = Outputs::plan(&args.files, &args.scene.scene)?;
+    let interrupt = Interrupt::listen(args.parts.saves())?;
+    let outputs = Outputs::plan(&args.files, &args.scene.scene, args.parts.shard)?;
     let mut times = Times::default();
     let mut loaded = timed(&mut times.load, || load::load(&args.scene))?;
     overrides::apply_to_film(args, &mut loaded.description)?;
@@ -58,6 +63,10 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
         words::count(triangles as f64),
         words::time(times.load)
     );
+    let fingerprint = match args.parts.wanted() {
+        true => Some(loaded.fingerprint()?),
+        false => None,
+    };
     let scene = timed(&mut times.build, || build(args, &mut loaded))?;
     tracing::debug!(
         "{} holds {}, built in {}",
@@ -65,16 +74,43 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
         words::bytes(scene.rays.memory_bytes() as u64),
         words::time(times.build)
     );
-    let mut film = Film::new(&loaded.description.film);
     let settings = overrides::path_settings(&args.light, &loaded.description.render);
+    let limits = overrides::limits(&args.stop, &loaded.description.render);
+    let record = fingerprint.map(|fingerprint| {
+        let subject = Subject {
+            scene: fingerprint,
+            field: None,
+            accel: scene.rays.name(),
+            triangles,
+            film: &loaded.description.film,
+            path: &settings,
+        };
+        identity::record(args, &subject, &limits)
+    });
+    let mut film = identity::film(args, &loaded.description.film)?;
+    let checkpoint = record
+        .as_ref()
+        .filter(|_| args.parts.saves())
+        .map(|record| Checkpoint::new(outputs.first(), args.parts.checkpoint, record.clone()));
+    let mut before = Spent::default();
+    if let Some(checkpoint) = checkpoint.as_ref().filter(|_| args.parts.resume) {
+        if outputs.has_part(record.as_ref()) {
+            checkpoint.remove();
+            return Ok(());
+        }
+        before = checkpoint.load(&mut film)?.unwrap_or_default();
+    }
     let guide = timed(&mut times.train, || train(args, &scene, &settings))?;
-    let view = Setting {
+    let setting = Setting {
         scene: &scene,
         loaded: &loaded,
         path: &settings,
         guide: guide.as_ref(),
+        limits,
+        checkpoint: checkpoint.as_ref(),
+        before,
     };
-    let summary = trace(args, console, &interrupt, &outputs, &view, &mut film);
+    let summary = trace(args, console, &interrupt, &outputs, &setting, &mut film);
     let mut stats = measure(args, &scene, &loaded, &film, &summary);
     (stats.triangles, stats.load_seconds, stats.build_seconds) =
         (triangles, times.load, times.build);
@@ -82,22 +118,14 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
         (times.train, guide.as_ref().map_or(0, |g| g.field.bytes()));
     tracing::info!("{}", stats.sentence());
     warn_of_invalid_samples(&film);
-    if summary.samples == 0 {
-        tracing::warn!("no sample was finished: nothing is written");
-        return Err(Failure::Interrupted);
-    }
-    let written = timed(&mut times.write, || {
-        let exposure = loaded.description.film.exposure;
-        outputs.write_images(&film, &args.files, exposure, &metadata(args, &stats))
-    });
-    stats.write_seconds = times.write;
-    stats.peak_memory_bytes = memory::peak_bytes();
-    outputs.write_stats(&stats.to_json())?;
-    written?;
-    match summary.stopped_by {
-        StoppedBy::Interrupt => Err(Failure::Interrupted),
-        _ => Ok(()),
-    }
+    let done = Done {
+        args,
+        outputs: &outputs,
+        checkpoint: checkpoint.as_ref(),
+        record,
+        exposure: loaded.description.film.exposure,
+    };
+    done.write(&film, &summary, &mut stats)
 }
 
 fn timed<T>(seconds: &mut f64, work: impl FnOnce() -> T) -> T {
@@ -162,9 +190,10 @@ fn trace(
         description.film.width,
         description.film.height,
     );
-    let limits = overrides::limits(&args.stop, &description.render);
     let preview = match &args.preview {
-        Some(Preview::Tev(address)) => Tev::connect(address, &outputs.title(), film),
+        Some(Preview::Tev(address)) => {
+            Tev::connect(address, &outputs.first().display().to_string(), film)
+        }
         None => None,
     };
     tracing::info!(
@@ -173,7 +202,9 @@ fn trace(
         film.height(),
         threads::count()
     );
-    let watch = Watch::start(interrupt, console, limits, film, preview);
+    let limits = setting.limits;
+    let goes = (setting.checkpoint, setting.before.time);
+    let watch = Watch::start(interrupt, console, limits, film, preview, goes);
     interrupt.be_patient();
     let view = View {
         scene: setting.scene,
@@ -182,7 +213,7 @@ fn trace(
         settings: setting.path,
         guide: setting.guide,
     };
-    let summary = render(&view, film, &limits, &watch);
+    let summary = resume(&view, film, &limits, setting.before, &watch);
     watch.finish(film);
     summary
 }
@@ -239,16 +270,4 @@ fn warn_of_invalid_samples(film: &Film) {
         "{} samples were not finite and were left out; the first is sample {sample} of pixel {x},{y}",
         film.invalid_samples()
     );
-}
-
-/// What a file says about how it was made.
-fn metadata(args: &RenderArgs, stats: &Stats) -> Metadata {
-    let words = std::env::args_os().skip(1);
-    let words: Vec<_> = words.map(|w| w.to_string_lossy().into_owned()).collect();
-    Metadata {
-        scene: args.scene.scene.display().to_string(),
-        settings: words.join(" "),
-        spp: stats.spp,
-        seconds: stats.render_seconds,
-    }
 }
