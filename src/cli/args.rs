@@ -1,5 +1,6 @@
 //! What can be typed: the single source of parsing and of `--help`.
 
+use super::measure_args::{Bench, CompareArgs};
 use super::values::{self, Crop, Definition, Depth, Preview};
 use crate::film::Shard;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -38,6 +39,14 @@ pub enum Command {
     Info(InfoArgs),
     /// Load a scene and say what is wrong with it; nothing is rendered
     Check(CheckArgs),
+    /// Say how far images are from a reference
+    Compare(CompareArgs),
+    /// Measure parts of the program
+    #[command(subcommand)]
+    Bench(Bench),
+    /// Write man pages or shell completions into a directory
+    #[command(hide = true)]
+    Generate(GenerateArgs),
 }
 
 /// How much to say.
@@ -108,6 +117,24 @@ pub struct CheckArgs {
     /// Scene.
     #[command(flatten)]
     pub scene: SceneArgs,
+}
+
+/// Arguments of `twintree generate`.
+#[derive(Args, Debug)]
+pub struct GenerateArgs {
+    /// What to write
+    pub what: Manual,
+    /// Directory; made if there is none
+    pub directory: PathBuf,
+}
+
+/// What can be generated from this file.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Manual {
+    /// A man page for the program and one for each subcommand
+    Man,
+    /// Completions for bash, zsh and fish
+    Completions,
 }
 
 /// Arguments of `twintree render`.
@@ -302,6 +329,14 @@ pub struct LightArgs {
         help_heading = "Light transport"
     )]
     pub photons: u64,
+    /// Camera paths that teach the field, with --guide double
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 1_000_000,
+        help_heading = "Light transport"
+    )]
+    pub paths: u64,
     /// Batches they come in, each twice as large as the one before
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=32), help_heading = "Light transport")]
     pub batches: u32,

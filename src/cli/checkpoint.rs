@@ -5,6 +5,7 @@
 //! complete. The render it is read by must be the one that wrote it: what differs is said.
 
 use super::Failure;
+use super::args::PartArgs;
 use crate::film::Film;
 use crate::film::part::{self, Packing, PartReader, Record};
 use crate::image::{ImageError, atomic};
@@ -33,6 +34,17 @@ impl Checkpoint {
             record,
             last: Mutex::new(Instant::now()),
         }
+    }
+
+    /// Checkpoints, if the command line wants them.
+    pub fn wanted(args: &PartArgs, output: &Path, record: Option<&Record>) -> Option<Self> {
+        let record = record.filter(|_| args.saves())?;
+        Some(Self::new(output, args.checkpoint, record.clone()))
+    }
+
+    /// What the render is.
+    pub fn record(&self) -> &Record {
+        &self.record
     }
 
     /// Whether it is time to save.

@@ -9,7 +9,7 @@ use super::args::{Guide, RenderArgs};
 use crate::film::part::{Identity, Origin, Record};
 use crate::film::{Film, FilmDescription, Shard};
 use crate::integrate::PathSettings;
-use crate::integrate::render::Limits;
+use crate::integrate::render::{Limits, View};
 use std::fmt::Debug;
 
 /// What a record is made of.
@@ -26,6 +26,20 @@ pub struct Subject<'a> {
     pub film: &'a FilmDescription,
     /// How paths are traced.
     pub path: &'a PathSettings,
+}
+
+impl<'a> Subject<'a> {
+    /// A view of the scene with fingerprint `scene`, whose field is learned anew.
+    pub fn new(view: &View<'a>, scene: u64, triangles: u64) -> Self {
+        Self {
+            scene,
+            field: None,
+            accel: view.scene.rays.name(),
+            triangles,
+            film: view.film,
+            path: view.settings,
+        }
+    }
 }
 
 /// The record of a render.
@@ -79,6 +93,7 @@ fn settings(args: &RenderArgs, subject: &Subject) -> Vec<(String, String)> {
     // A field from a file has its own fingerprint, whatever it was learned with.
     if args.light.guide != Guide::None && subject.field.is_none() {
         add("--photons", &args.light.photons);
+        add("--paths", &args.light.paths);
         add("--batches", &args.light.batches);
         add("--guide-memory", &args.light.guide_memory);
     }

@@ -5,15 +5,19 @@
 //! to standard error through [`console`]; standard output carries only what was asked for.
 
 pub mod args;
+pub mod bench;
 pub mod check;
 pub mod checkpoint;
+pub mod compare;
 pub mod console;
 pub mod failure;
 pub mod finish;
+pub mod generate;
 pub mod identity;
 pub mod info;
 pub mod interrupt;
 pub mod load;
+pub mod measure_args;
 pub mod memory;
 pub mod merge;
 pub mod output;
@@ -42,6 +46,9 @@ impl Cli {
             Command::Merge(args) => merge::run(args),
             Command::Info(args) => info::run(args),
             Command::Check(args) => check::run(args),
+            Command::Compare(args) => compare::run(args),
+            Command::Bench(what) => bench::run(what),
+            Command::Generate(args) => generate::run(args),
         }
     }
 }

@@ -15,7 +15,6 @@ use super::{Failure, overrides, threads};
 use crate::accel::{Backend, BuildSettings};
 use crate::camera::Camera;
 use crate::film::Film;
-use crate::integrate::PathSettings;
 use crate::integrate::guiding::Guide;
 use crate::integrate::learn::learn;
 use crate::integrate::render::{Limits, Spent, StoppedBy, Summary, View, resume};
@@ -33,12 +32,9 @@ struct Times {
     train: f64,
 }
 
-/// What is rendered, and how.
+/// What is rendered, from where on, and until when.
 struct Setting<'a> {
-    scene: &'a Scene,
-    loaded: &'a Loaded,
-    path: &'a PathSettings,
-    guide: Option<&'a Guide>,
+    view: View<'a>,
     limits: Limits,
     checkpoint: Option<&'a Checkpoint>,
     /// What earlier goes have cost.
@@ -53,6 +49,87 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
     let interrupt = Interrupt::listen(args.parts.saves())?;
     let outputs = Outputs::plan(&args.files, &args.scene.scene, args.parts.shard)?;
     let mut times = Times::default();
+    let (mut loaded, triangles) = read(args, &mut times)?;
+    let fingerprint = match args.parts.wanted() {
+        true => Some(loaded.fingerprint()?),
+        false => None,
+    };
+    let scene = timed(&mut times.build, || build(args, &mut loaded))?;
+    let description = &loaded.description;
+    let (width, height) = (description.film.width, description.film.height);
+    let settings = overrides::path_settings(&args.light, &description.render);
+    let limits = overrides::limits(&args.stop, &description.render);
+    let camera = Camera::new(&description.camera, width, height);
+    let plain = View {
+        scene: &scene,
+        camera: &camera,
+        film: &description.film,
+        settings: &settings,
+        guide: None,
+    };
+    let record = fingerprint.map(|scene| {
+        let subject = Subject::new(&plain, scene, triangles);
+        identity::record(args, &subject, &limits)
+    });
+    let mut film = identity::film(args, &description.film)?;
+    let checkpoint = Checkpoint::wanted(&args.parts, outputs.first(), record.as_ref());
+    let Some(before) = go_on(args, &outputs, checkpoint.as_ref(), &mut film)? else {
+        return Ok(());
+    };
+    let guide = timed(&mut times.train, || train(args, &plain))?;
+    let setting = Setting {
+        view: View {
+            guide: guide.as_ref(),
+            ..plain
+        },
+        limits,
+        checkpoint: checkpoint.as_ref(),
+        before,
+    };
+    let summary = trace(args, console, &interrupt, &outputs, &setting, &mut film);
+    let mut stats = measure(args, &scene, &loaded, &film, &summary);
+    (stats.triangles, stats.load_seconds) = (triangles, times.load);
+    (stats.build_seconds, stats.train_seconds) = (times.build, times.train);
+    stats.field_memory_bytes = guide.as_ref().map_or(0, |g| g.field.bytes());
+    tracing::info!("{}", stats.sentence());
+    warn_of_invalid_samples(&film);
+    let done = Done {
+        args,
+        outputs: &outputs,
+        checkpoint: checkpoint.as_ref(),
+        record,
+        exposure: description.film.exposure,
+    };
+    done.write(&film, &summary, &mut stats)
+}
+
+/// Fills the film from the checkpoint, if that is wanted, and says what it has cost so far; `None` if
+/// there is nothing left to do.
+fn go_on(
+    args: &RenderArgs,
+    outputs: &Outputs,
+    checkpoint: Option<&Checkpoint>,
+    film: &mut Film,
+) -> Result<Option<Spent>, Failure> {
+    let Some(checkpoint) = checkpoint.filter(|_| args.parts.resume) else {
+        return Ok(Some(Spent::default()));
+    };
+    if outputs.has_part(checkpoint.record()) {
+        checkpoint.remove();
+        return Ok(None);
+    }
+    Ok(Some(checkpoint.load(film)?.unwrap_or_default()))
+}
+
+fn timed<T>(seconds: &mut f64, work: impl FnOnce() -> T) -> T {
+    let start = Instant::now();
+    let result = work();
+    *seconds = start.elapsed().as_secs_f64();
+    result
+}
+
+/// Reads the scene, with what the command line changes about it; how many triangles it has.
+fn read(args: &RenderArgs, times: &mut Times) -> Result<(Loaded, u64), Failure> {
     let mut loaded = timed(&mut times.load, || load::load(&args.scene))?;
     overrides::apply_to_film(args, &mut loaded.description)?;
     let triangles = triangles(&loaded.description);
@@ -63,79 +140,11 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
         words::count(triangles as f64),
         words::time(times.load)
     );
-    let fingerprint = match args.parts.wanted() {
-        true => Some(loaded.fingerprint()?),
-        false => None,
-    };
-    let scene = timed(&mut times.build, || build(args, &mut loaded))?;
-    tracing::debug!(
-        "{} holds {}, built in {}",
-        scene.rays.name(),
-        words::bytes(scene.rays.memory_bytes() as u64),
-        words::time(times.build)
-    );
-    let settings = overrides::path_settings(&args.light, &loaded.description.render);
-    let limits = overrides::limits(&args.stop, &loaded.description.render);
-    let record = fingerprint.map(|fingerprint| {
-        let subject = Subject {
-            scene: fingerprint,
-            field: None,
-            accel: scene.rays.name(),
-            triangles,
-            film: &loaded.description.film,
-            path: &settings,
-        };
-        identity::record(args, &subject, &limits)
-    });
-    let mut film = identity::film(args, &loaded.description.film)?;
-    let checkpoint = record
-        .as_ref()
-        .filter(|_| args.parts.saves())
-        .map(|record| Checkpoint::new(outputs.first(), args.parts.checkpoint, record.clone()));
-    let mut before = Spent::default();
-    if let Some(checkpoint) = checkpoint.as_ref().filter(|_| args.parts.resume) {
-        if outputs.has_part(record.as_ref()) {
-            checkpoint.remove();
-            return Ok(());
-        }
-        before = checkpoint.load(&mut film)?.unwrap_or_default();
-    }
-    let guide = timed(&mut times.train, || train(args, &scene, &settings))?;
-    let setting = Setting {
-        scene: &scene,
-        loaded: &loaded,
-        path: &settings,
-        guide: guide.as_ref(),
-        limits,
-        checkpoint: checkpoint.as_ref(),
-        before,
-    };
-    let summary = trace(args, console, &interrupt, &outputs, &setting, &mut film);
-    let mut stats = measure(args, &scene, &loaded, &film, &summary);
-    (stats.triangles, stats.load_seconds, stats.build_seconds) =
-        (triangles, times.load, times.build);
-    (stats.train_seconds, stats.field_memory_bytes) =
-        (times.train, guide.as_ref().map_or(0, |g| g.field.bytes()));
-    tracing::info!("{}", stats.sentence());
-    warn_of_invalid_samples(&film);
-    let done = Done {
-        args,
-        outputs: &outputs,
-        checkpoint: checkpoint.as_ref(),
-        record,
-        exposure: loaded.description.film.exposure,
-    };
-    done.write(&film, &summary, &mut stats)
-}
-
-fn timed<T>(seconds: &mut f64, work: impl FnOnce() -> T) -> T {
-    let start = Instant::now();
-    let result = work();
-    *seconds = start.elapsed().as_secs_f64();
-    result
+    Ok((loaded, triangles))
 }
 
 fn build(args: &RenderArgs, loaded: &mut Loaded) -> Result<Scene, Failure> {
+    let start = Instant::now();
     let backend = match args.accel {
         None => Backend::default(),
         Some(Accel::Embree) => Backend::Embree,
@@ -145,19 +154,26 @@ fn build(args: &RenderArgs, loaded: &mut Loaded) -> Result<Scene, Failure> {
         threads: threads::count(),
         ..BuildSettings::default()
     };
-    Ok(Scene::build(&mut loaded.description, settings, backend)?)
+    let scene = Scene::build(&mut loaded.description, settings, backend)?;
+    tracing::debug!(
+        "{} holds {}, built in {}",
+        scene.rays.name(),
+        words::bytes(scene.rays.memory_bytes() as u64),
+        words::time(start.elapsed().as_secs_f64())
+    );
+    Ok(scene)
 }
 
 /// Learns the field, if one is wanted, and says what came of it.
-fn train(args: &RenderArgs, scene: &Scene, path: &PathSettings) -> Result<Option<Guide>, Failure> {
-    let Some(settings) = overrides::learn_settings(&args.light, path) else {
+fn train(args: &RenderArgs, view: &View) -> Result<Option<Guide>, Failure> {
+    let Some(settings) = overrides::learn_settings(&args.light, view.settings) else {
         return Ok(None);
     };
-    if scene.lights.is_empty() {
-        tracing::warn!("nothing shines: there is nothing to learn from photons");
+    if view.scene.lights.is_empty() {
+        tracing::warn!("nothing shines: there is nothing to learn");
         return Ok(None);
     }
-    let learned = learn(scene, &settings)?;
+    let learned = learn(view, &settings)?;
     tracing::info!(
         "learned from {} photons ({} landings) in {}: {} links in {} cells, {}",
         words::count(learned.counts.emitted as f64),
@@ -184,12 +200,6 @@ fn trace(
     setting: &Setting,
     film: &mut Film,
 ) -> Summary {
-    let description = &setting.loaded.description;
-    let camera = Camera::new(
-        &description.camera,
-        description.film.width,
-        description.film.height,
-    );
     let preview = match &args.preview {
         Some(Preview::Tev(address)) => {
             Tev::connect(address, &outputs.first().display().to_string(), film)
@@ -206,14 +216,7 @@ fn trace(
     let goes = (setting.checkpoint, setting.before.time);
     let watch = Watch::start(interrupt, console, limits, film, preview, goes);
     interrupt.be_patient();
-    let view = View {
-        scene: setting.scene,
-        camera: &camera,
-        film: &description.film,
-        settings: setting.path,
-        guide: setting.guide,
-    };
-    let summary = resume(&view, film, &limits, setting.before, &watch);
+    let summary = resume(&setting.view, film, &limits, setting.before, &watch);
     watch.finish(film);
     summary
 }

@@ -2,6 +2,7 @@
 
 use super::PathSettings;
 use super::guiding::Guide;
+use super::vertex::Walk;
 use super::wave::Wave;
 use crate::camera::Camera;
 use crate::film::filter::FilterSampler;
@@ -120,6 +121,17 @@ pub struct View<'a> {
     pub guide: Option<&'a Guide>,
 }
 
+impl<'a> View<'a> {
+    /// What its paths share.
+    pub fn walk(&self) -> Walk<'a> {
+        Walk {
+            scene: self.scene,
+            settings: self.settings,
+            guide: self.guide,
+        }
+    }
+}
+
 /// Renders until a limit is reached: the tiles that `film` holds, from the first sample on.
 pub fn render(view: &View, film: &mut Film, limits: &Limits, observer: &dyn Observer) -> Summary {
     resume(view, film, limits, Spent::default(), observer)
@@ -144,10 +156,16 @@ pub fn resume(
         waves: Mutex::new(Vec::new()),
     };
     let mut spp = film.spp_done();
-    let mut noise = if spp > 0 { film.noise() } else { None };
+    // Between passes, where a render that was never interrupted looks at the noise.
+    let between = film.held().all(|tile| tile.done == spp);
+    let mut noise = film.noise().filter(|_| spp > 0 && between);
     let stopped_by = loop {
+        let clean = |target: f32| spp >= MIN_SPP_FOR_NOISE && noise.is_some_and(|n| n <= target);
         if spp >= limits.spp {
             break StoppedBy::Samples;
+        }
+        if limits.noise.is_some_and(clean) {
+            break StoppedBy::Noise;
         }
         let pass = pass_size(spp, limits, elapsed());
         if pass == 0 {
@@ -160,7 +178,7 @@ pub fn resume(
             };
             observer.paused(&spent, film);
         }
-        if observer.should_stop() && film.spp_done() < limits.spp {
+        if film.spp_done() < spp + pass {
             break StoppedBy::Interrupt;
         }
         spp += pass;
@@ -173,10 +191,6 @@ pub fn resume(
             noise,
         };
         observer.pass_done(&progress, film);
-        let clean = |target: f32| spp >= MIN_SPP_FOR_NOISE && noise.is_some_and(|n| n <= target);
-        if limits.noise.is_some_and(clean) {
-            break StoppedBy::Noise;
-        }
     };
     let samples = film
         .tiles()
@@ -278,7 +292,7 @@ impl Job<'_> {
                     weights.push(self.start(x, y, sample, wave));
                 }
             }
-            let outcomes = wave.trace(self.view.scene, self.view.settings, self.view.guide);
+            let outcomes = wave.trace(&self.view.walk(), &mut ());
             let share = (to - from) as usize;
             for (k, (outcome, weight)) in outcomes.iter().zip(&weights).enumerate() {
                 let sample = Sample {
