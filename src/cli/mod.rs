@@ -11,6 +11,7 @@ pub mod checkpoint;
 pub mod compare;
 pub mod console;
 pub mod failure;
+pub mod farm;
 pub mod finish;
 pub mod generate;
 pub mod identity;
@@ -22,6 +23,7 @@ pub mod memory;
 pub mod merge;
 pub mod output;
 pub mod overrides;
+pub mod part_args;
 pub mod preview;
 pub mod progress;
 pub mod render;
@@ -44,6 +46,7 @@ impl Cli {
         match &self.command {
             Command::Render(args) => render::run(args, &console),
             Command::Merge(args) => merge::run(args),
+            Command::Farm(args) => farm::run(args, self.threads),
             Command::Info(args) => info::run(args),
             Command::Check(args) => check::run(args),
             Command::Compare(args) => compare::run(args),
