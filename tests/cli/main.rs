@@ -1,11 +1,13 @@
 //! What a user at the terminal notices: exit codes, messages, files.
 
 mod benching;
+mod checkpoints;
 mod comparing;
 mod errors;
 mod generated;
 mod inspect;
 mod messages;
 mod outputs;
+mod shards;
 mod stopping;
 mod support;
