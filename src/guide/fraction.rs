@@ -79,6 +79,17 @@ impl Fractions {
         }
     }
 
+    /// The fractions for a field that refines the one they were learned for: every cell starts with what
+    /// the cell that it was part of has learned.
+    pub fn carried_over(&self, from: &Field, to: &Field) -> Self {
+        let part_of = |&key: &u64| from.cell_of_key(key) as usize;
+        let old: Vec<usize> = to.cell_key.iter().map(part_of).collect();
+        Self {
+            cells: old.iter().map(|&c| self.cells[c]).collect(),
+            shares: old.iter().map(|&c| self.shares[c]).collect(),
+        }
+    }
+
     /// Probability of sampling the field in a cell (see [`Field::cell`]), within
     /// [`FLOOR`] and 1 - [`FLOOR`]. A cell of another field gives 1/2.
     #[inline]
