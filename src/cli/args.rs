@@ -1,6 +1,7 @@
 //! What can be typed: the single source of parsing and of `--help`.
 
 use super::measure_args::{Bench, CompareArgs};
+use super::part_args::{FarmArgs, MergeArgs, PartArgs};
 use super::values::{self, Crop, Definition, Depth, PixelAt, Preview};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -32,6 +33,10 @@ pub struct Cli {
 pub enum Command {
     /// Render a scene to an image
     Render(Box<RenderArgs>),
+    /// Join the parts of an image that were rendered with --shard
+    Merge(MergeArgs),
+    /// Print job files that render an image in parts on many machines; nothing is submitted
+    Farm(FarmArgs),
     /// Show what is in a scene
     Info(InfoArgs),
     /// Load a scene and say what is wrong with it; nothing is rendered
@@ -143,6 +148,9 @@ pub struct RenderArgs {
     /// When to stop.
     #[command(flatten)]
     pub stop: StopArgs,
+    /// Parts and checkpoints.
+    #[command(flatten)]
+    pub parts: PartArgs,
     /// Scene.
     #[command(flatten)]
     pub scene: SceneArgs,

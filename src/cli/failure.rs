@@ -6,6 +6,7 @@
 //! | 1 | the machine refused: an output cannot be written, memory ran out, an internal error; an image passes a limit |
 //! | 2 | the command line or the scene is wrong; nothing was rendered |
 //! | 3 | with `--strict`: samples were not finite; the image was written without them |
+//! | 75 | interrupted, with a checkpoint written: the same command with `--resume` goes on |
 //! | 130 | interrupted; an image that had begun was written |
 
 use crate::accel::AccelError;
@@ -20,6 +21,8 @@ pub const FAILED: u8 = 1;
 pub const WRONG: u8 = 2;
 /// Exit code when samples were not finite and `--strict` asks.
 pub const INVALID: u8 = 3;
+/// Exit code after an interrupt with a checkpoint: BSD's EX_TEMPFAIL, "try again", which queues know.
+pub const CHECKPOINTED: u8 = 75;
 /// Exit code after Ctrl-C or SIGTERM: 128 and the number of SIGINT, as shells have it.
 pub const INTERRUPTED: u8 = 130;
 
@@ -36,6 +39,8 @@ pub enum Failure {
     Passed(String),
     /// The user asked for it; all is said already.
     Interrupted,
+    /// The same, and a checkpoint keeps the work.
+    Checkpointed,
 }
 
 impl Failure {
@@ -55,7 +60,7 @@ impl Failure {
             Self::Wrong(text) | Self::Refused(text) | Self::Invalid(text) | Self::Passed(text) => {
                 Some(text.clone())
             }
-            Self::Interrupted => None,
+            Self::Interrupted | Self::Checkpointed => None,
         }
     }
 
@@ -66,6 +71,7 @@ impl Failure {
             Self::Refused(_) | Self::Passed(_) => FAILED,
             Self::Invalid(_) => INVALID,
             Self::Interrupted => INTERRUPTED,
+            Self::Checkpointed => CHECKPOINTED,
         }
     }
 }

@@ -1,21 +1,22 @@
 //! `twintree render`: from a scene file to an image file.
 
 use super::args::{Accel, RenderArgs};
+use super::checkpoint::Checkpoint;
 use super::console::Console;
+use super::finish::Done;
+use super::identity::{self, Subject};
 use super::interrupt::Interrupt;
 use super::load::{self, Loaded};
 use super::output::Outputs;
 use super::preview::Tev;
 use super::progress::Watch;
 use super::values::Preview;
-use super::{Failure, invalid, memory, overrides, threads};
+use super::{Failure, invalid, overrides, threads};
 use crate::accel::{Backend, BuildSettings};
 use crate::camera::Camera;
 use crate::film::Film;
-use crate::film::layers::Metadata;
-use crate::integrate::PathSettings;
-use crate::integrate::learn::{Learned, learn};
-use crate::integrate::render::{StoppedBy, Summary, View, render};
+use crate::integrate::learn::Learner;
+use crate::integrate::render::{Limits, Spent, StoppedBy, Summary, View, resume};
 use crate::report::scene::triangles;
 use crate::report::stats::Stats;
 use crate::report::words;
@@ -24,31 +25,19 @@ use std::time::{Duration, Instant};
 
 /// Seconds that the parts of a command took.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Times {
+struct Times {
     load: f64,
     build: f64,
     train: f64,
-    write: f64,
 }
 
-/// What is rendered, and how.
+/// What is rendered, from where on, and until when.
 struct Setting<'a> {
-    loaded: &'a Loaded,
-    prepared: &'a Prepared,
-}
-
-/// Everything that stands before the first sample is taken.
-pub(super) struct Prepared {
-    /// The scene, built.
-    pub scene: Scene,
-    /// How paths are traced.
-    pub settings: PathSettings,
-    /// From where.
-    pub camera: Camera,
-    /// The field, if one is wanted.
-    pub learned: Option<Learned>,
-    /// How long that took.
-    pub times: Times,
+    view: View<'a>,
+    limits: Limits,
+    checkpoint: Option<&'a Checkpoint>,
+    /// What earlier goes have cost.
+    before: Spent,
 }
 
 /// Renders and writes.
@@ -59,10 +48,104 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
     if let Some(pixel) = args.doubt.pixel {
         return super::single::run(args, pixel.0);
     }
-    let interrupt = Interrupt::listen()?;
-    let outputs = Outputs::plan(&args.files, &args.scene.scene)?;
-    let mut load_seconds = 0.0;
-    let mut loaded = timed(&mut load_seconds, || load::load(&args.scene))?;
+    let interrupt = Interrupt::listen(args.parts.saves())?;
+    let outputs = Outputs::plan(&args.files, &args.scene.scene, args.parts.shard)?;
+    let mut times = Times::default();
+    let (mut loaded, triangles) = read(args, &mut times)?;
+    let fingerprint = match args.parts.wanted() {
+        true => Some(loaded.fingerprint()?),
+        false => None,
+    };
+    let scene = timed(&mut times.build, || build(args, &mut loaded))?;
+    let description = &loaded.description;
+    let (width, height) = (description.film.width, description.film.height);
+    let settings = overrides::path_settings(&args.light, &description.render);
+    let limits = overrides::limits(&args.stop, &description.render);
+    let camera = Camera::new(&description.camera, width, height);
+    let plain = View {
+        scene: &scene,
+        camera: &camera,
+        film: &description.film,
+        settings: &settings,
+        guide: None,
+    };
+    let record = fingerprint.map(|scene| {
+        let subject = Subject::new(&plain, scene, triangles);
+        identity::record(args, &subject, &limits)
+    });
+    let mut film = identity::film(args, &description.film)?;
+    let checkpoint = Checkpoint::wanted(&args.parts, outputs.first(), record.as_ref());
+    let Some(before) = go_on(args, &outputs, checkpoint.as_ref(), &mut film)? else {
+        return Ok(());
+    };
+    let mut learner = learner(args, &plain)?;
+    let photons = learner.as_ref().map_or(Duration::ZERO, Learner::elapsed);
+    let setting = Setting {
+        view: plain,
+        limits,
+        checkpoint: checkpoint.as_ref(),
+        before: Spent {
+            time: before.time + photons,
+            ..before
+        },
+    };
+    let guiding = learner.as_mut();
+    let summary = trace(
+        args, console, &interrupt, &outputs, &setting, guiding, &mut film,
+    );
+    if let Some(learner) = &learner {
+        describe(learner);
+        times.train = learner.elapsed().as_secs_f64();
+    }
+    let mut stats = measure(args, &scene, &loaded, &film, &summary);
+    (stats.triangles, stats.load_seconds) = (triangles, times.load);
+    (stats.build_seconds, stats.train_seconds) = (times.build, times.train);
+    stats.field_memory_bytes = (learner.as_ref()).map_or(0, |l| l.guide().field.bytes());
+    tracing::info!("{}", stats.sentence());
+    invalid::warn(&film);
+    let done = Done {
+        args,
+        outputs: &outputs,
+        checkpoint: checkpoint.as_ref(),
+        record,
+        exposure: description.film.exposure,
+    };
+    done.write(&film, &summary, &mut stats)?;
+    let left_out = invalid::LeftOut {
+        samples: stats.invalid_samples,
+        photons: learner.map_or(0, |l| l.counts().invalid),
+    };
+    invalid::check(args, left_out)
+}
+
+/// Fills the film from the checkpoint, if that is wanted, and says what it has cost so far; `None` if
+/// there is nothing left to do.
+fn go_on(
+    args: &RenderArgs,
+    outputs: &Outputs,
+    checkpoint: Option<&Checkpoint>,
+    film: &mut Film,
+) -> Result<Option<Spent>, Failure> {
+    let Some(checkpoint) = checkpoint.filter(|_| args.parts.resume) else {
+        return Ok(Some(Spent::default()));
+    };
+    if outputs.has_part(checkpoint.record()) {
+        checkpoint.remove();
+        return Ok(None);
+    }
+    Ok(Some(checkpoint.load(film)?.unwrap_or_default()))
+}
+
+fn timed<T>(seconds: &mut f64, work: impl FnOnce() -> T) -> T {
+    let start = Instant::now();
+    let result = work();
+    *seconds = start.elapsed().as_secs_f64();
+    result
+}
+
+/// Reads the scene, with what the command line changes about it; how many triangles it has.
+fn read(args: &RenderArgs, times: &mut Times) -> Result<(Loaded, u64), Failure> {
+    let mut loaded = timed(&mut times.load, || load::load(&args.scene))?;
     overrides::apply_to_film(args, &mut loaded.description)?;
     let triangles = triangles(&loaded.description);
     tracing::info!(
@@ -70,52 +153,29 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
         args.scene.scene.display(),
         loaded.description.shapes.len(),
         words::count(triangles as f64),
-        words::time(load_seconds)
+        words::time(times.load)
     );
-    let mut prepared = prepare(args, &mut loaded)?;
-    prepared.times.load = load_seconds;
-    let mut film = Film::new(&loaded.description.film);
-    let setting = Setting {
-        loaded: &loaded,
-        prepared: &prepared,
-    };
-    let summary = trace(args, console, &interrupt, &outputs, &setting, &mut film);
-    let mut stats = measure(args, &setting, &film, &summary);
-    stats.triangles = triangles;
-    tracing::info!("{}", stats.sentence());
-    invalid::warn(&film);
-    if summary.samples == 0 && summary.stopped_by == StoppedBy::Interrupt {
-        tracing::warn!("no sample was finished: nothing is written");
-        return Err(Failure::Interrupted);
-    }
-    let mut times = prepared.times;
-    let written = timed(&mut times.write, || {
-        let exposure = loaded.description.film.exposure;
-        outputs.write_images(&film, &args.files, exposure, &metadata(args, &stats))
-    });
-    stats.write_seconds = times.write;
-    stats.peak_memory_bytes = memory::peak_bytes();
-    outputs.write_stats(&stats.to_json())?;
-    written?;
-    if summary.stopped_by == StoppedBy::Interrupt {
-        return Err(Failure::Interrupted);
-    }
-    let left_out = invalid::LeftOut {
-        samples: stats.invalid_samples,
-        photons: prepared.learned.as_ref().map_or(0, |l| l.counts.invalid),
-    };
-    invalid::check(args, left_out)
+    Ok((loaded, triangles))
 }
 
-/// Builds the scene and learns the field.
-pub(super) fn prepare(args: &RenderArgs, loaded: &mut Loaded) -> Result<Prepared, Failure> {
-    let mut times = Times::default();
-    let scene = timed(&mut times.build, || build(args, loaded))?;
+/// Builds the scene, and says what is odd about its lights.
+pub(super) fn build(args: &RenderArgs, loaded: &mut Loaded) -> Result<Scene, Failure> {
+    let start = Instant::now();
+    let backend = match args.accel {
+        None => Backend::default(),
+        Some(Accel::Embree) => Backend::Embree,
+        Some(Accel::Obvhs) => Backend::Obvhs,
+    };
+    let settings = BuildSettings {
+        threads: threads::count(),
+        ..BuildSettings::default()
+    };
+    let scene = Scene::build(&mut loaded.description, settings, backend)?;
     tracing::debug!(
         "{} holds {}, built in {}",
         scene.rays.name(),
         words::bytes(scene.rays.memory_bytes() as u64),
-        words::time(times.build)
+        words::time(start.elapsed().as_secs_f64())
     );
     if scene.lights.is_empty() {
         tracing::warn!("nothing in the scene shines: the image will be black");
@@ -126,71 +186,44 @@ pub(super) fn prepare(args: &RenderArgs, loaded: &mut Loaded) -> Result<Prepared
             scene.lights.rejected_texels()
         );
     }
-    let settings = overrides::path_settings(&args.light, &loaded.description.render);
-    let film = &loaded.description.film;
-    let camera = Camera::new(&loaded.description.camera, film.width, film.height);
-    let plain = View {
-        scene: &scene,
-        camera: &camera,
-        film,
-        settings: &settings,
-        guide: None,
-    };
-    let learned = timed(&mut times.train, || train(args, &plain))?;
-    Ok(Prepared {
-        scene,
-        settings,
-        camera,
-        learned,
-        times,
-    })
+    Ok(scene)
 }
 
-fn timed<T>(seconds: &mut f64, work: impl FnOnce() -> T) -> T {
-    let start = Instant::now();
-    let result = work();
-    *seconds = start.elapsed().as_secs_f64();
-    result
-}
-
-fn build(args: &RenderArgs, loaded: &mut Loaded) -> Result<Scene, Failure> {
-    let backend = match args.accel {
-        None => Backend::default(),
-        Some(Accel::Embree) => Backend::Embree,
-        Some(Accel::Obvhs) => Backend::Obvhs,
-    };
-    let settings = BuildSettings {
-        threads: threads::count(),
-        ..BuildSettings::default()
-    };
-    Ok(Scene::build(&mut loaded.description, settings, backend)?)
-}
-
-/// Learns the field, if one is wanted, and says what came of it.
-fn train(args: &RenderArgs, view: &View) -> Result<Option<Learned>, Failure> {
+/// Begins to learn the field, if one is wanted.
+pub(super) fn learner(args: &RenderArgs, view: &View) -> Result<Option<Learner>, Failure> {
     let Some(settings) = overrides::learn_settings(&args.light, view.settings) else {
         return Ok(None);
     };
     if view.scene.lights.is_empty() {
         return Ok(None);
     }
-    let learned = learn(view, &settings)?;
+    let learner = Learner::new(view.scene, &settings)?;
+    let counts = learner.counts();
     tracing::info!(
-        "learned from {} photons ({} landings) in {}: {} links in {} cells, {}",
-        words::count(learned.counts.emitted as f64),
-        words::count(learned.counts.landings as f64),
-        words::time(learned.elapsed.as_secs_f64()),
-        words::count(learned.stats.links as f64),
-        words::count(learned.stats.space_cells as f64),
-        words::bytes(learned.guide.field.bytes())
+        "learned from {} photons ({} landings) in {}",
+        words::count(counts.emitted as f64),
+        words::count(counts.landings as f64),
+        words::time(learner.elapsed().as_secs_f64()),
     );
-    if learned.counts.invalid > 0 {
+    if counts.invalid > 0 {
         tracing::warn!(
             "{} photons were not finite and were left out",
-            learned.counts.invalid
+            counts.invalid
         );
     }
-    Ok(Some(learned))
+    Ok(Some(learner))
+}
+
+/// Says what was learned.
+fn describe(learner: &Learner) {
+    let stats = learner.stats();
+    tracing::info!(
+        "the field: {} links in {} cells, {}; learning it took {}",
+        words::count(stats.links as f64),
+        words::count(stats.space_cells as f64),
+        words::bytes(learner.guide().field.bytes()),
+        words::time(learner.elapsed().as_secs_f64()),
+    );
 }
 
 fn trace(
@@ -199,12 +232,13 @@ fn trace(
     interrupt: &Interrupt,
     outputs: &Outputs,
     setting: &Setting,
+    learner: Option<&mut Learner>,
     film: &mut Film,
 ) -> Summary {
-    let description = &setting.loaded.description;
-    let limits = overrides::limits(&args.stop, &description.render);
     let preview = match &args.preview {
-        Some(Preview::Tev(address)) => Tev::connect(address, &outputs.title(), film),
+        Some(Preview::Tev(address)) => {
+            Tev::connect(address, &outputs.first().display().to_string(), film)
+        }
         None => None,
     };
     tracing::info!(
@@ -213,24 +247,29 @@ fn trace(
         film.height(),
         threads::count()
     );
-    let watch = Watch::start(interrupt, console, limits, film, preview);
+    let limits = setting.limits;
+    let goes = (setting.checkpoint, setting.before.time);
+    let watch = Watch::start(interrupt, console, limits, film, preview, goes);
     interrupt.be_patient();
-    let view = View {
-        scene: &setting.prepared.scene,
-        camera: &setting.prepared.camera,
-        film: &description.film,
-        settings: &setting.prepared.settings,
-        guide: setting.prepared.learned.as_ref().map(|l| &l.guide),
-    };
-    let summary = render(&view, film, &limits, &watch);
+    let summary = resume(
+        &setting.view,
+        learner,
+        film,
+        &limits,
+        setting.before,
+        &watch,
+    );
     watch.finish(film);
     summary
 }
 
-fn measure(args: &RenderArgs, setting: &Setting, film: &Film, summary: &Summary) -> Stats {
-    let Setting { loaded, prepared } = setting;
-    let Prepared { scene, times, .. } = prepared;
-    let field = prepared.learned.as_ref().map(|l| &l.guide.field);
+fn measure(
+    args: &RenderArgs,
+    scene: &Scene,
+    loaded: &Loaded,
+    film: &Film,
+    summary: &Summary,
+) -> Stats {
     // A render of no time at all has no rate to speak of, and must not divide by zero.
     let seconds = summary.elapsed.max(Duration::from_nanos(1)).as_secs_f64();
     Stats {
@@ -254,10 +293,10 @@ fn measure(args: &RenderArgs, setting: &Setting, film: &Film, summary: &Summary)
         rays_per_second: summary.rays as f64 / seconds,
         noise: summary.noise,
         invalid_samples: film.invalid_samples(),
-        load_seconds: times.load,
-        build_seconds: times.build,
-        train_seconds: times.train,
-        field_memory_bytes: field.map_or(0, |f| f.bytes()),
+        load_seconds: 0.0,
+        build_seconds: 0.0,
+        train_seconds: 0.0,
+        field_memory_bytes: 0,
         render_seconds: summary.elapsed.as_secs_f64(),
         write_seconds: 0.0,
         peak_memory_bytes: None,
@@ -265,17 +304,5 @@ fn measure(args: &RenderArgs, setting: &Setting, film: &Film, summary: &Summary)
         texture_memory_bytes: loaded.textures().bytes,
         triangles: 0,
         warnings: loaded.description.warnings.clone(),
-    }
-}
-
-/// What a file says about how it was made.
-fn metadata(args: &RenderArgs, stats: &Stats) -> Metadata {
-    let words = std::env::args_os().skip(1);
-    let words: Vec<_> = words.map(|w| w.to_string_lossy().into_owned()).collect();
-    Metadata {
-        scene: args.scene.scene.display().to_string(),
-        settings: words.join(" "),
-        spp: stats.spp,
-        seconds: stats.render_seconds,
     }
 }

@@ -1,41 +1,49 @@
 //! `twintree render --pixel x,y --sample i`: one sample, traced again and printed vertex by vertex.
 
 use super::args::RenderArgs;
-use super::render::{Prepared, prepare};
-use super::{Failure, overrides};
+use super::{Failure, load, overrides, render};
+use crate::camera::Camera;
 use crate::film::FilmDescription;
-use crate::integrate::inspect::{Step, Traced, trace_sample};
+use crate::integrate::inspect::{Step, Traced, teach_until, trace_sample};
 use crate::integrate::render::View;
 use crate::math::{Rgb, Vec3};
 use std::fmt::Write as _;
 
-/// Traces the sample and prints its path.
+/// Traces the sample and prints its path. A guided render learns while it draws: then all is done again
+/// that was learned before the sample was taken.
 ///
 /// # Errors
 /// When the scene cannot be used, or the pixel is not on the film.
 pub fn run(args: &RenderArgs, pixel: [u32; 2]) -> Result<(), Failure> {
-    let mut loaded = super::load::load(&args.scene)?;
+    let mut loaded = load::load(&args.scene)?;
     overrides::apply_to_film(args, &mut loaded.description)?;
-    let film = loaded.description.film.clone();
-    check_pixel(&film, pixel)?;
+    check_pixel(&loaded.description.film, pixel)?;
     let shapes = loaded.description.shapes.iter();
     let names: Vec<String> = shapes.map(|s| s.name.clone()).collect();
-    let Prepared {
-        scene,
-        settings,
-        camera,
-        learned,
-        ..
-    } = prepare(args, &mut loaded)?;
-    let view = View {
+    let scene = render::build(args, &mut loaded)?;
+    let description = &loaded.description;
+    let film = &description.film;
+    let settings = overrides::path_settings(&args.light, &description.render);
+    let camera = Camera::new(&description.camera, film.width, film.height);
+    let plain = View {
         scene: &scene,
         camera: &camera,
-        film: &film,
+        film,
         settings: &settings,
-        guide: learned.as_ref().map(|l| &l.guide),
+        guide: None,
     };
-    let traced = trace_sample(&view, pixel, args.doubt.sample);
-    print!("{}", text(pixel, args.doubt.sample, &traced, &names));
+    let mut learner = render::learner(args, &plain)?;
+    let sample = args.doubt.sample;
+    if let Some(learner) = &mut learner {
+        let limits = overrides::limits(&args.stop, &description.render);
+        teach_until(&plain, learner, limits.spp, sample);
+    }
+    let view = View {
+        guide: learner.as_ref().map(|l| l.guide()),
+        ..plain
+    };
+    let traced = trace_sample(&view, pixel, sample);
+    print!("{}", text(pixel, sample, &traced, &names));
     Ok(())
 }
 

@@ -2,12 +2,17 @@
 //!
 //! The path takes the same numbers and the same steps as in a render, so its radiance has the same bits.
 
-use super::render::{View, first_ray};
+use super::learn::Learner;
+use super::render::{Job, Limits, Observer, PASS_SPP, Progress, View, first_ray};
+use super::teach::teach;
 use super::vertex::visit;
 use super::wave::{Outcome, Path};
 use crate::accel::{Hit, Ray};
+use crate::film::Film;
 use crate::film::filter::FilterSampler;
 use crate::math::{Rgb, Vec3};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 /// Light that a vertex's own light sample would bring.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,6 +79,51 @@ pub fn trace_sample(view: &View, [x, y]: [u32; 2], sample: u64) -> Traced {
         next = step(view, &ray, &mut path, &mut traced);
     }
     traced
+}
+
+/// Ends teaching before the pass that holds a sample.
+struct Before {
+    sample: u64,
+    spp: u64,
+    reached: AtomicBool,
+}
+
+impl Before {
+    /// After `done` samples a pixel: does the next pass reach the sample?
+    fn look(&self, done: u64) {
+        let pass = done.clamp(1, PASS_SPP).min(self.spp.saturating_sub(done));
+        self.reached
+            .fetch_or(done + pass > self.sample, Ordering::Relaxed);
+    }
+}
+
+impl Observer for Before {
+    fn pass_done(&self, progress: &Progress, _: &Film) {
+        self.look(progress.spp);
+    }
+
+    fn should_stop(&self) -> bool {
+        self.reached.load(Ordering::Relaxed)
+    }
+}
+
+/// Teaches `learner` what it knows in a render of `spp` samples a pixel when sample number `sample` is
+/// taken. (A render that a limit of time told to learn no longer knows less.)
+pub fn teach_until(view: &View, learner: &mut Learner, spp: u64, sample: u64) {
+    let before = Before {
+        sample,
+        spp,
+        reached: AtomicBool::new(false),
+    };
+    before.look(0);
+    let limits = Limits {
+        spp,
+        time: None,
+        noise: None,
+    };
+    let mut film = Film::new(view.film);
+    let job = Job::new(view, &before, 0);
+    teach(&job, learner, &mut film, &limits, &|| Duration::ZERO);
 }
 
 /// One edge: the next ray, or none.

@@ -6,6 +6,8 @@ mod targets;
 
 use mutate::{Reproduce, mutated};
 use std::path::{Path, PathBuf};
+use twintree::film::part::{self, Identity, Origin, Record};
+use twintree::film::{Film, Pixel, Shard};
 use twintree::guide::{Photon, Settings, Trainer};
 use twintree::image::{Image, WriteOptions, write};
 use twintree::math::warp::uniform_sphere;
@@ -70,7 +72,7 @@ fn meshes() {
 
 #[test]
 fn scenes() {
-    attack("xml", 300, 20, |input| targets::xml(&input));
+    attack("xml", 300, 1, |input| targets::xml(&input));
 }
 
 #[test]
@@ -83,6 +85,12 @@ fn fields() {
 #[test]
 fn images() {
     attack("image", 400, 1, |input| targets::image(&input, "exr"));
+}
+
+#[test]
+fn parts() {
+    // Almost every byte is sealed: hardly any change is accepted.
+    attack("part", 400, 0, |input| targets::part(&input));
 }
 
 /// Writes the binary files of the corpus anew: `cargo test --test fuzz -- --ignored`.
@@ -119,4 +127,19 @@ fn write_the_corpus() {
         .for_each(|(i, p)| *p = i as f32);
     let path = folder.join("image/ramp.exr");
     write(&path, &image, &WriteOptions::default()).expect("written");
+    let record = Record {
+        identity: Identity {
+            scene: 1,
+            field: None,
+            settings: vec![("spp".into(), "4".into())],
+        },
+        region: [0, 0, 4, 3],
+        goal: Some(4),
+        shard: Shard::ALL,
+        origin: Origin::default(),
+    };
+    let mut film = Film::vacant(record.region);
+    film.tiles_mut()[0].pixels = vec![Pixel::default(); 12];
+    let path = folder.join("part/small.exr");
+    part::write(&path, &record, &film, part::Packing::Small).expect("written");
 }

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use twintree::accel::{Backend, BuildSettings};
 use twintree::camera::Camera;
 use twintree::film::Film;
+use twintree::film::part::PartReader;
 use twintree::guide::Trainer;
 use twintree::image;
 use twintree::integrate::PathSettings;
@@ -174,6 +175,24 @@ pub fn mended_field(mut bytes: Vec<u8>) -> Vec<u8> {
     crc.update(&bytes[24..]);
     bytes[20..24].copy_from_slice(&crc.sum().to_le_bytes());
     bytes
+}
+
+/// Reads a part of a render into a film, if it is of a small one.
+pub fn part(bytes: &[u8]) -> bool {
+    let directory = tempfile::tempdir().expect("a directory");
+    let path = directory.path().join("part.exr");
+    std::fs::write(&path, bytes).expect("the part is written");
+    let read = PartReader::open(&path).and_then(|reader| {
+        let region = reader.record().region;
+        if region[2].max(region[3]) > 1000 {
+            return Ok(());
+        }
+        reader.read_into(&mut Film::vacant(region), &mut |_| Ok(()))
+    });
+    if let Err(error) = &read {
+        worded(error, "part.exr");
+    }
+    read.is_ok()
 }
 
 /// Reads an image under a name of that ending.

@@ -39,7 +39,7 @@ fn pressed(
         .collect();
     for _ in 0..10 {
         trainer.train(&photons, 100_000);
-        trainer.refine_with(&photons, 2);
+        trainer.refine_rounds(2);
     }
     let stats = trainer.stats();
     let field = trainer.freeze();
@@ -235,7 +235,7 @@ fn s17_density() {
         worst = worst.max(z);
     }
     let floor = 0.01 / (4.0 * std::f32::consts::PI);
-    table.hold("S17", "density: |integral - 1|", "guide", 1e-3, integral);
+    table.hold("S17", "density: |integral - 1|", "guide", 1e-5, integral);
     table.hold(
         "S17",
         "defensive density over the least that is met",
@@ -309,7 +309,7 @@ fn s18_damaged_files_are_refused_or_harmless() {
         })
         .collect();
     trainer.train(&photons, 5000);
-    trainer.refine_with(&photons, 2);
+    trainer.refine_rounds(2);
     let whole = trainer.to_bytes();
     let (mut taken, mut bad) = (0u32, 0u32);
     for i in 0..400usize {

@@ -76,25 +76,45 @@ impl Left {
 fn s03_triangles_are_left() {
     let mut table = Table::default();
     for (name, backend) in backends() {
-        let mut rng = Pcg32::new(3, 1);
-        let mut left = Left::default();
-        for _ in 0..1000 {
-            let corners: Vec<Vec3> = (0..3).map(|_| any_point(&mut rng, 8.0)).collect();
-            let scene = alone(|_| mesh(corners.clone(), vec![[0, 1, 2]]), backend);
-            for _ in 0..20 {
-                let (a, b) = (rng.next_f32().sqrt(), rng.next_f32());
-                let at = corners[0] * (1.0 - a) + (corners[1] * (1.0 - b) + corners[2] * b) * a;
-                let org = any_point(&mut rng, 8.0);
-                let Some(dir) = (at - org).try_normalize() else {
-                    continue;
-                };
-                left.leave(&scene, &Ray::new(org, dir), 50, false, &mut rng);
-            }
+        for range in [1.0, 2.0, 8.0] {
+            // See the readme for what Embree does with triangles that are all but lines.
+            let limit = if name == "embree" && range > 2.0 {
+                2.5e-3
+            } else {
+                0.0
+            };
+            let what = format!(
+                "rays that meet the triangle they leave, coordinates 1e-{range} to 1e{range}"
+            );
+            table.hold(
+                "S3",
+                &what,
+                name,
+                limit,
+                triangles_met_again(range, backend),
+            );
         }
-        let limit = if name == "embree" { 0.0 } else { 1e-6 };
-        let what = "rays that meet the triangle they leave, coordinates 1e-8 to 1e8";
-        table.hold("S3", what, name, limit, left.rate(200_000));
     }
+}
+
+/// Share of rays that meet the triangle they leave, whose coordinates are from 10^-range to 10^range.
+fn triangles_met_again(range: f32, backend: Backend) -> f64 {
+    let mut rng = Pcg32::new(3, 1);
+    let mut left = Left::default();
+    for _ in 0..1000 {
+        let corners: Vec<Vec3> = (0..3).map(|_| any_point(&mut rng, range)).collect();
+        let scene = alone(|_| mesh(corners.clone(), vec![[0, 1, 2]]), backend);
+        for _ in 0..20 {
+            let (a, b) = (rng.next_f32().sqrt(), rng.next_f32());
+            let at = corners[0] * (1.0 - a) + (corners[1] * (1.0 - b) + corners[2] * b) * a;
+            let org = any_point(&mut rng, range);
+            let Some(dir) = (at - org).try_normalize() else {
+                continue;
+            };
+            left.leave(&scene, &Ray::new(org, dir), 50, false, &mut rng);
+        }
+    }
+    left.rate(200_000)
 }
 
 #[test]
@@ -294,9 +314,9 @@ fn skipped(gap_in_ulp: u32, backend: Backend) -> f64 {
 fn s05_nested_shells() {
     let mut table = Table::default();
     for (name, backend) in backends() {
-        for (gap, limit) in [(8, 1.0), (32, 0.0), (128, 0.0), (1024, 0.0)] {
+        for gap in [32, 128, 1024] {
             let what = format!("spheres {gap} ulp apart: crossings that skip one");
-            table.hold("S5", &what, name, limit, skipped(gap, backend));
+            table.hold("S5", &what, name, 0.0, skipped(gap, backend));
         }
     }
 }

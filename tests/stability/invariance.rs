@@ -19,7 +19,7 @@ fn s01_scale() {
             let (film, _) = built.render(&path, 64);
             let what = format!("scale {scale:e}: mean, relative");
             table.finite("S1", &what, name, &film);
-            table.hold("S1", &what, name, 5e-3, mean_difference(&reference, &film));
+            table.hold("S1", &what, name, 1e-4, mean_difference(&reference, &film));
         }
     }
 }
@@ -146,6 +146,6 @@ fn s26_gain_of_guiding() {
     for scale in [1e-6, 1e6] {
         let what = format!("scale {scale:e}: gain of guiding, relative");
         let change = (gain(scale, backend) / reference - 1.0).abs();
-        table.hold("S26", &what, &format!("{name}, guided"), 0.2, change);
+        table.hold("S26", &what, &format!("{name}, guided"), 0.05, change);
     }
 }

@@ -19,7 +19,8 @@
 //! | S14, S16, S17, S18 | the field: depth, partition, density, hostile contents | `field.rs` |
 //! | S24, S25 | seeds, sample numbers beyond 2^32 | `streams.rs` |
 //!
-//! S22 (interrupted and divided renders) is held by the tests of the command line.
+//! S22 (renders that are killed, go on, or are divided between machines have the same bits) is held by
+//! `tests/cli/checkpoints.rs` and `tests/cli/shards.rs`.
 
 #[path = "../support/mod.rs"]
 mod support;

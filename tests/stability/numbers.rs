@@ -63,7 +63,8 @@ fn pixel_error(count: u32) -> f64 {
 fn s13_film_sums() {
     let mut table = Table::default();
     let what = "3e6 samples of 1e-8 to 1e8: error of a pixel's sum, relative";
-    table.hold("S13", what, "film", 1e-12, pixel_error(3_000_000));
+    // A sum of n terms in f64 is off by n times 2^-53 at most.
+    table.hold("S13", what, "film", 3.4e-10, pixel_error(3_000_000));
 }
 
 #[test]
@@ -71,7 +72,7 @@ fn s13_film_sums() {
 fn s13_film_sums_of_a_billion() {
     let mut table = Table::default();
     let what = "1e9 samples of 1e-8 to 1e8: error of a pixel's sum, relative";
-    table.hold("S13", what, "film", 1e-10, pixel_error(1_000_000_000));
+    table.hold("S13", what, "film", 1.2e-7, pixel_error(1_000_000_000));
 }
 
 /// Sums of the field are integers: exact, and the same in any order.
@@ -111,7 +112,7 @@ fn s13_field_sums() {
             let mut trainer =
                 Trainer::build(Settings::new(Vec3::ZERO, Vec3::ONE)).expect("settings");
             trainer.train(&photons, 200_000);
-            trainer.refine_with(&photons, 3);
+            trainer.refine_rounds(3);
             trainer.to_bytes()
         })
     };
@@ -152,7 +153,7 @@ fn s15_direction_map() {
         "S15",
         "direction to square and back: angle",
         "math",
-        2e-6,
+        1e-6,
         worst,
     );
     for level in [1u8, 5, 10] {

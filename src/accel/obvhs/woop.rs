@@ -5,6 +5,7 @@
 //! by both triangles that share the edge, so no ray slips between them. An edge function of exactly 0 is
 //! computed again in `f64`, where the products of `f32` are exact.
 
+use crate::math::offset::gamma;
 use crate::math::{Vec3, Vec3A};
 use glam::Mat3A;
 
@@ -70,8 +71,25 @@ impl ShearedRay {
         }
         let inverse = 1.0 / det;
         let t = (wa * az + wb * bz + wc * cz) * inverse;
-        Some((t, wb * inverse, wc * inverse))
+        let size = |a: f32, b: f32, c: f32| a.abs().max(b.abs()).max(c.abs());
+        let error = distance_error(
+            [size(ax, bx, cx), size(ay, by, cy), size(az, bz, cz)],
+            size(wa, wb, wc),
+        );
+        // A distance that may be rounding alone is none. The comparison is false for NaN, too.
+        (t > error * inverse.abs()).then_some((t, wb * inverse, wc * inverse))
     }
+}
+
+/// Bound of the rounding error of `t`, times the determinant: for vertices of at most that size on each
+/// axis and edge functions of at most `edge`. ("Physically Based Rendering", 4th ed., 6.8.7.) A ray whose
+/// origin was moved off a long, thin triangle would meet it again without this. Guarded by the stability
+/// suite's `s03_triangles_are_left`.
+#[inline]
+fn distance_error([x, y, z]: [f32; 3], edge: f32) -> f32 {
+    let (dx, dy, dz) = (gamma(5) * (x + z), gamma(5) * (y + z), gamma(3) * z);
+    let d_edge = 2.0 * (gamma(2) * x * y + dy * x + dx * y);
+    3.0 * (gamma(3) * edge * z + d_edge * z + dz * edge)
 }
 
 /// `a b - c d` with exact products.

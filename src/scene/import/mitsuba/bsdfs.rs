@@ -16,17 +16,28 @@ use crate::texture::Texture;
 /// The least roughness: a distribution of width 0 is not a function. Mitsuba's bound.
 const MIN_ALPHA: f32 = 1e-4;
 
+/// Materials that one may be made of. Sixty that each hold the next one twice would be 2^60.
+const MOST_MATERIALS: usize = 128;
+
 impl<'a> Importer<'a> {
     /// The material that object `index` describes. The same object gives the same material.
     pub fn bsdf(&mut self, index: usize) -> Result<MaterialId, ImportError> {
-        if let Some(&id) = self.material_of.get(&index) {
+        if let Some(&(id, _)) = self.material_of.get(&index) {
             return Ok(id);
         }
         let params = Params::new(self.document, index);
         let material = self.material(&params)?;
         self.done(&params);
+        let inner = params.children("bsdf");
+        let sizes = inner.iter().filter_map(|(_, i)| self.material_of.get(i));
+        let size = 1 + sizes.map(|(_, size)| size).sum::<usize>();
+        if size > MOST_MATERIALS {
+            return Err(params.error(format!(
+                "this material is made of more than {MOST_MATERIALS}, one that is referred to twice counted twice"
+            )));
+        }
         let id = self.materials.push(material);
-        self.material_of.insert(index, id);
+        self.material_of.insert(index, (id, size));
         Ok(id)
     }
 

@@ -21,8 +21,8 @@ pub(super) struct Importer<'a> {
     pub options: &'a ImportOptions,
     pub warnings: Vec<String>,
     pub materials: Materials,
-    /// Materials by the object they were made from.
-    pub material_of: HashMap<usize, MaterialId>,
+    /// By object, its material and how many materials that is made of.
+    pub material_of: HashMap<usize, (MaterialId, usize)>,
     /// Materials of shapes that name none: grey, and black for those that glow.
     pub default_material: [Option<MaterialId>; 2],
     /// Textures by the object they were made from, and whether they are colours of light.
@@ -44,11 +44,16 @@ pub(super) fn import(
     options: &ImportOptions,
 ) -> Result<Description, ImportError> {
     refuse_unknown_plugins(document)?;
-    let description = import_from(document, options, DVec3::ZERO)?;
-    match origin::far_origin(&description) {
-        Some(origin) => import_from(document, options, origin),
-        None => Ok(description),
+    let mut description = import_from(document, options, DVec3::ZERO)?;
+    let mut place = DVec3::ZERO;
+    for _ in 0..origin::MOST_MOVES {
+        let Some(step) = origin::far_origin(&description, place != DVec3::ZERO) else {
+            break;
+        };
+        place += step;
+        description = import_from(document, options, place)?;
     }
+    Ok(description)
 }
 
 /// Imports a document with the world's origin at the point `origin` of its coordinates.

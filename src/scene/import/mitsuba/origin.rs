@@ -14,22 +14,29 @@ use crate::scene::{Description, Shape};
 /// the 24 bits of a position would then say nothing but where the scene is.
 const FAR: f32 = 32.0;
 
+/// What is so far away that its size was lost in rounding is first moved near, and then to its place.
+pub(super) const MOST_MOVES: u32 = 3;
+
 /// Shapes with fewer roundings of a position than this across are warned of: their silhouettes would be
 /// visibly jagged.
 const STEPS: f32 = 1024.0;
 
 /// The point that should become the origin, if the scene is far from the one it has. It lies on a grid
 /// as coarse as the scene, so that small changes of a scene do not move it, and so that scenes that
-/// differ by a multiple of the grid are moved to the same place.
-pub(super) fn far_origin(description: &Description) -> Option<DVec3> {
+/// differ by a multiple of the grid are moved to the same place. A scene that was `moved` already, by
+/// bounds that rounding had spoiled, is moved on until its middle is within half a grid.
+pub(super) fn far_origin(description: &Description, moved: bool) -> Option<DVec3> {
     let bounds = world_bounds(&description.shapes, &description.instances);
     let (center, radius) = (bounds.center(), bounds.radius());
+    let distance = center.abs().max_element();
+    let radius = radius.max(distance * f32::EPSILON);
     let sane = center.is_finite() && radius.is_finite() && radius > 0.0;
-    if !sane || center.abs().max_element() <= FAR * radius {
+    if !sane || (!moved && distance <= FAR * radius) {
         return None;
     }
     let grid = f64::from(radius).log2().ceil().exp2();
-    Some((center.as_dvec3() / grid).round() * grid)
+    let step = (center.as_dvec3() / grid).round() * grid;
+    (step != DVec3::ZERO).then_some(step)
 }
 
 /// A map into the world as seen from `origin`.
