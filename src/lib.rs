@@ -25,6 +25,7 @@ pub mod guide;
 pub mod image;
 pub mod integrate;
 pub mod light;
+pub mod make;
 pub mod math;
 pub mod photon;
 pub mod report;
