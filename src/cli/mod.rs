@@ -11,6 +11,7 @@ pub mod failure;
 pub mod info;
 pub mod interrupt;
 pub mod load;
+pub mod make;
 pub mod memory;
 pub mod output;
 pub mod overrides;
@@ -37,6 +38,7 @@ impl Cli {
             Command::Render(args) => render::run(args, &console),
             Command::Info(args) => info::run(args),
             Command::Check(args) => check::run(args),
+            Command::Make(args) => make::run(args),
         }
     }
 }

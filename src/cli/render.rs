@@ -1,15 +1,15 @@
 //! `twintree render`: from a scene file to an image file.
 
-use super::args::{Accel, RenderArgs};
+use super::args::{Accel, AccelBuild, RenderArgs};
 use super::console::Console;
 use super::interrupt::Interrupt;
-use super::load::{self, Loaded};
+use super::load::{self, Loaded, Subject};
 use super::output::Outputs;
 use super::preview::Tev;
 use super::progress::Watch;
 use super::values::Preview;
 use super::{Failure, memory, overrides, threads};
-use crate::accel::{Backend, BuildSettings};
+use crate::accel::{Backend, BuildQuality, BuildSettings};
 use crate::camera::Camera;
 use crate::film::Film;
 use crate::film::layers::Metadata;
@@ -46,14 +46,17 @@ struct Setting<'a> {
 /// When the scene cannot be used or an image cannot be written; after an interrupt, with all written.
 pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
     let interrupt = Interrupt::listen()?;
-    let outputs = Outputs::plan(&args.files, &args.scene.scene)?;
+    let subject = Subject::of(&args.scene)?;
+    let outputs = Outputs::plan(&args.files, subject.first_path())?;
     let mut times = Times::default();
-    let mut loaded = timed(&mut times.load, || load::load(&args.scene))?;
+    let mut loaded = timed(&mut times.load, || {
+        load::load(&args.scene, &subject, Some(&args.picture))
+    })?;
     overrides::apply_to_film(args, &mut loaded.description)?;
     let triangles = triangles(&loaded.description);
     tracing::info!(
         "{}: {} shapes, {} triangles, read in {}",
-        args.scene.scene.display(),
+        args.scene.title(),
         loaded.description.shapes.len(),
         words::count(triangles as f64),
         words::time(times.load)
@@ -114,6 +117,12 @@ fn build(args: &RenderArgs, loaded: &mut Loaded) -> Result<Scene, Failure> {
         Some(Accel::Obvhs) => Backend::Obvhs,
     };
     let settings = BuildSettings {
+        quality: match args.accel_build {
+            AccelBuild::Fast => BuildQuality::Fast,
+            AccelBuild::Balanced | AccelBuild::Compact => BuildQuality::Balanced,
+            AccelBuild::High => BuildQuality::High,
+        },
+        compact: args.accel_build == AccelBuild::Compact,
         threads: threads::count(),
         ..BuildSettings::default()
     };
@@ -198,7 +207,7 @@ fn measure(
     let seconds = summary.elapsed.max(Duration::from_nanos(1)).as_secs_f64();
     Stats {
         version: env!("CARGO_PKG_VERSION").into(),
-        scene: args.scene.scene.display().to_string(),
+        scene: args.scene.title(),
         width: film.width(),
         height: film.height(),
         seed: args.light.seed,
@@ -246,7 +255,7 @@ fn metadata(args: &RenderArgs, stats: &Stats) -> Metadata {
     let words = std::env::args_os().skip(1);
     let words: Vec<_> = words.map(|w| w.to_string_lossy().into_owned()).collect();
     Metadata {
-        scene: args.scene.scene.display().to_string(),
+        scene: args.scene.title(),
         settings: words.join(" "),
         spp: stats.spp,
         seconds: stats.render_seconds,

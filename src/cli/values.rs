@@ -174,6 +174,41 @@ pub fn noise(text: &str) -> Result<f32, String> {
     }
 }
 
+/// A field of view in degrees.
+///
+/// # Errors
+/// A sentence that says what was expected.
+pub fn field_of_view(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(degrees) if degrees > 0.0 && degrees < 180.0 => Ok(degrees),
+        _ => Err("expected degrees above 0 and below 180 such as 35".into()),
+    }
+}
+
+/// A number of things such as `500`, `20k`, `5M` or `1.5G`; the units are powers of 1000.
+///
+/// # Errors
+/// A sentence that says what was expected.
+pub fn amount(text: &str) -> Result<u64, String> {
+    const EXPECTED: &str = "expected a number above 0 such as 500, 20k, 5M or 1.5G";
+    let scaled = match text.parse::<f64>() {
+        Ok(number) => Some(number),
+        Err(_) => number_and_unit(text).and_then(|(number, unit, rest)| {
+            let factor = match (unit.to_ascii_lowercase().as_str(), rest) {
+                ("k", "") => 1e3,
+                ("m", "") => 1e6,
+                ("g", "") => 1e9,
+                _ => return None,
+            };
+            Some(number * factor)
+        }),
+    };
+    scaled
+        .filter(|n| *n >= 1.0 && *n < 1e15)
+        .map(|n| n as u64)
+        .ok_or_else(|| EXPECTED.into())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -212,6 +247,29 @@ mod tests {
         }
         for text in ["", "M", "1X", "-1", "1M1", "1.2.3G"] {
             assert!(bytes(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn amounts_are_read_in_powers_of_1000() {
+        for (text, expected) in [
+            ("500", 500),
+            ("20k", 20_000),
+            ("1.5M", 1_500_000),
+            ("2G", 2_000_000_000),
+        ] {
+            assert_eq!(amount(text), Ok(expected), "{text}");
+        }
+        for text in ["", "0", "-1", "k", "5X", "5MB", "nan", "inf"] {
+            assert!(amount(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn fields_of_view_are_below_180_degrees() {
+        assert_eq!(field_of_view("35"), Ok(35.0));
+        for text in ["0", "180", "-5", "wide", "nan"] {
+            assert!(field_of_view(text).is_err(), "{text}");
         }
     }
 
