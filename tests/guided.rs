@@ -7,7 +7,8 @@ use twintree::accel::{Backend, ExactKind};
 use twintree::bsdf::Material;
 use twintree::bsdf::material::{Distribution, Roughness};
 use twintree::film::Film;
-use twintree::guide::{Field, Fractions, ModelKind};
+use twintree::guide::{Field, ModelKind};
+use twintree::integrate::PathSettings;
 use twintree::integrate::guiding::Guide;
 use twintree::integrate::learn::{LearnSettings, Learned, garbage, learn};
 use twintree::light::Emitter;
@@ -52,7 +53,7 @@ fn room() -> Built {
     maker.build(Backend::default())
 }
 
-fn learned(built: &Built, photons: u64) -> Learned {
+fn learned(built: &Built, photons: u64, paths: u64) -> Learned {
     let photon = PhotonSettings {
         max_bounces: 11,
         roulette_after: 3,
@@ -60,12 +61,17 @@ fn learned(built: &Built, photons: u64) -> Learned {
     };
     let settings = LearnSettings {
         photons,
+        paths,
         batches: 6,
         memory: 32 << 20,
         photon,
-        direct: false,
+        model: ModelKind::default(),
     };
-    learn(&built.scene, &settings).expect("the field is learned")
+    let path = PathSettings {
+        max_depth: 12,
+        ..support::settings()
+    };
+    learn(&built.view(&path, None), &settings).expect("the field is learned")
 }
 
 /// Block means of two renders agree: 4 x 4 pixels, 64 blocks; the largest of 64 normal deviates
@@ -109,10 +115,16 @@ fn learned_random_and_foreign_fields_give_the_unguided_mean() {
     let (plain, _) = room.render(&path, 512);
     path.seed = 2;
 
-    let field = learned(&room, 200_000).guide;
+    let field = learned(&room, 200_000, 0).guide;
     agree(
         "learned",
         &room.render_guided(&path, 256, Some(&field)).0,
+        &plain,
+    );
+    let paths = learned(&room, 0, 60_000).guide;
+    agree(
+        "learned from paths",
+        &room.render_guided(&path, 256, Some(&paths)).0,
         &plain,
     );
     agree(
@@ -129,17 +141,14 @@ fn learned_random_and_foreign_fields_give_the_unguided_mean() {
         ModelKind::default(),
         3,
     );
-    let far = Guide {
-        fractions: Fractions::new(&far),
-        field: far,
-    };
+    let far = Guide::new(far);
     agree(
         "foreign",
         &room.render_guided(&path, 1024, Some(&far)).0,
         &plain,
     );
 
-    let few = learned(&room, 3).guide;
+    let few = learned(&room, 3, 0).guide;
     agree(
         "three photons",
         &room.render_guided(&path, 512, Some(&few)).0,
@@ -152,7 +161,7 @@ fn a_learned_field_lowers_the_noise() {
     let room = room();
     let mut path = settings();
     path.max_depth = 12;
-    let field = learned(&room, 400_000).guide;
+    let field = learned(&room, 200_000, 100_000).guide;
     let noise = |guide| {
         let (film, _) = room.render_guided(&path, 64, guide);
         f64::from(film.noise().expect("enough samples")).powi(2)
@@ -172,7 +181,7 @@ fn the_field_is_the_same_for_any_number_of_threads() {
             .build()
             .expect("threads");
         pool.install(|| {
-            let guide = learned(&room, 60_000).guide;
+            let guide = learned(&room, 60_000, 20_000).guide;
             room.render_guided(&settings(), 2, Some(&guide)).0
         })
     };
@@ -197,7 +206,7 @@ fn an_empty_scene_teaches_nothing() {
     });
     let built = maker.build(Backend::default());
     // One floor and direct light left out: no photon lands twice, the field stays empty.
-    let taught = learned(&built, 10_000);
+    let taught = learned(&built, 10_000, 5_000);
     assert_eq!(taught.stats.intakes.photons, 0);
     let (plain, _) = built.render(&settings(), 64);
     let (guided, _) = built.render_guided(&settings(), 64, Some(&taught.guide));

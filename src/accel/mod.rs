@@ -23,6 +23,7 @@ mod world;
 pub use backend::{Backend, build, prepare_thread};
 pub use error::AccelError;
 pub use shape::{ExactKind, ExactShape};
+pub use world::world_bounds;
 
 #[cfg(test)]
 mod tests;

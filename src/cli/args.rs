@@ -1,9 +1,8 @@
 //! What can be typed: the single source of parsing and of `--help`.
 
+use super::measure_args::{Bench, CompareArgs};
+use super::model_args::{MakeArgs, StudioArgs};
 use super::values::{self, Crop, Definition, Depth, Preview};
-use crate::math::DVec3;
-use crate::scene::import::models::palette::Paint;
-use crate::scene::import::studio::{self, Sky, View};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -41,6 +40,14 @@ pub enum Command {
     Check(CheckArgs),
     /// Make something to render
     Make(MakeArgs),
+    /// Say how far images are from a reference
+    Compare(CompareArgs),
+    /// Measure parts of the program
+    #[command(subcommand)]
+    Bench(Bench),
+    /// Write man pages or shell completions into a directory
+    #[command(hide = true)]
+    Generate(GenerateArgs),
 }
 
 /// How much to say.
@@ -99,57 +106,6 @@ pub struct SceneArgs {
     pub texture_memory: usize,
 }
 
-/// What is around models that come without a scene.
-#[derive(Args, Debug, Clone, PartialEq)]
-pub struct StudioArgs {
-    /// Camera: orbit:AZIMUTH,ELEVATION in degrees, from:X,Y,Z, or the name or number of a glTF camera
-    /// [default: the models' first camera, or orbit:30,20]
-    #[arg(
-        long,
-        value_name = "VIEW",
-        allow_hyphen_values = true,
-        help_heading = "Models without a scene"
-    )]
-    pub camera: Option<View>,
-    /// Point that the camera looks at [default: the middle of the models]
-    #[arg(long, value_name = "X,Y,Z", value_parser = studio::point, allow_hyphen_values = true, help_heading = "Models without a scene")]
-    pub look_at: Option<DVec3>,
-    /// Field of view along the picture's shorter side, degrees [default: the camera's, or 35]
-    #[arg(long, value_name = "DEGREES", value_parser = values::field_of_view, help_heading = "Models without a scene")]
-    pub fov: Option<f64>,
-    /// Light: studio, white[:R,G,B], sun[:AZIMUTH,ELEVATION] or none [default: studio, if the models bring no light]
-    #[arg(long, value_name = "SKY", help_heading = "Models without a scene")]
-    pub sky: Option<Sky>,
-    /// Image around the scene, latitude by longitude
-    #[arg(long, value_name = "FILE", help_heading = "Models without a scene")]
-    pub envmap: Option<PathBuf>,
-    /// Ground under the models [material if none is named: matte:0.4]
-    #[arg(long, value_name = "MATERIAL", num_args = 0..=1, require_equals = true, default_missing_value = "matte:0.4", help_heading = "Models without a scene")]
-    pub ground: Option<Paint>,
-    /// Material of all models: clay, matte, plastic, metal, mirror, glass, frosted, water, gold, silver,
-    /// copper, aluminium, chrome, tungsten; with a colour as in plastic:0.8,0.1,0.1 or clay:#cc3311
-    /// [default: the models' own; clay, with the colours of their vertices]
-    #[arg(long, value_name = "MATERIAL", help_heading = "Models without a scene")]
-    pub material: Option<Paint>,
-    /// Axis of the models that is up; glTF files are turned accordingly
-    #[arg(
-        long,
-        value_name = "AXIS",
-        default_value = "y",
-        help_heading = "Models without a scene"
-    )]
-    pub up: UpAxis,
-}
-
-/// Axis that points up.
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum UpAxis {
-    /// As in glTF and Mitsuba
-    Y,
-    /// As in CAD and 3D printing
-    Z,
-}
-
 /// Arguments of `twintree info`.
 #[derive(Args, Debug)]
 pub struct InfoArgs {
@@ -169,46 +125,22 @@ pub struct CheckArgs {
     pub scene: SceneArgs,
 }
 
-/// Arguments of `twintree make`.
+/// Arguments of `twintree generate`.
 #[derive(Args, Debug)]
-pub struct MakeArgs {
-    /// What to make.
-    #[command(subcommand)]
-    pub what: MakeCommand,
+pub struct GenerateArgs {
+    /// What to write
+    pub what: Manual,
+    /// Directory; made if there is none
+    pub directory: PathBuf,
 }
 
-/// What can be made.
-#[derive(Subcommand, Debug)]
-pub enum MakeCommand {
-    /// Write a mesh of any size as binary PLY, always the same for the same words
-    Mesh(MakeMeshArgs),
-}
-
-/// Arguments of `twintree make mesh`.
-#[derive(Args, Debug)]
-pub struct MakeMeshArgs {
-    /// Shape
-    #[arg(long, value_name = "SHAPE")]
-    pub kind: MeshShape,
-    /// Triangles, such as 20k, 5M or 1G; the mesh comes as near to it as its shape allows
-    #[arg(long, value_name = "N", default_value = "1M", value_parser = values::amount)]
-    pub triangles: u64,
-    /// File to write
-    #[arg(short, long, value_name = "FILE.ply")]
-    pub output: PathBuf,
-}
-
-/// Shapes that can be made.
+/// What can be generated from this file.
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MeshShape {
-    /// Mountains
-    Terrain,
-    /// A wall along Heighway's dragon curve
-    DragonCurve,
-    /// Spheres on spheres
-    SphereFlake,
-    /// A tube tied to a knot
-    TorusKnot,
+pub enum Manual {
+    /// A man page for the program and one for each subcommand
+    Man,
+    /// Completions for bash, zsh and fish
+    Completions,
 }
 
 /// Arguments of `twintree render`.
@@ -368,6 +300,14 @@ pub struct LightArgs {
         help_heading = "Light transport"
     )]
     pub photons: u64,
+    /// Camera paths that teach the field, with --guide double
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 1_000_000,
+        help_heading = "Light transport"
+    )]
+    pub paths: u64,
     /// Batches they come in, each twice as large as the one before
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=32), help_heading = "Light transport")]
     pub batches: u32,

@@ -3,7 +3,7 @@
 //! | code | meaning |
 //! |---|---|
 //! | 0 | done |
-//! | 1 | the machine refused: an output cannot be written, memory ran out, an internal error |
+//! | 1 | the machine refused: an output cannot be written, memory ran out, an internal error; an image passes a limit |
 //! | 2 | the command line or the scene is wrong; nothing was rendered |
 //! | 130 | interrupted; an image that had begun was written |
 
@@ -13,7 +13,7 @@ use crate::image::ImageError;
 use crate::scene::BuildError;
 use crate::scene::import::ImportError;
 
-/// Exit code when the machine refused.
+/// Exit code when the machine refused, or a limit is passed.
 pub const FAILED: u8 = 1;
 /// Exit code when the command line or the scene is wrong.
 pub const WRONG: u8 = 2;
@@ -27,6 +27,8 @@ pub enum Failure {
     Wrong(String),
     /// The machine refused.
     Refused(String),
+    /// All was done, and a limit that was asked for is passed.
+    Passed(String),
     /// The user asked for it; all is said already.
     Interrupted,
 }
@@ -45,7 +47,7 @@ impl Failure {
     /// What to print; `None` where nothing is left to say.
     pub fn text(&self) -> Option<String> {
         match self {
-            Self::Wrong(text) | Self::Refused(text) => Some(text.clone()),
+            Self::Wrong(text) | Self::Refused(text) | Self::Passed(text) => Some(text.clone()),
             Self::Interrupted => None,
         }
     }
@@ -54,7 +56,7 @@ impl Failure {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Wrong(_) => WRONG,
-            Self::Refused(_) => FAILED,
+            Self::Refused(_) | Self::Passed(_) => FAILED,
             Self::Interrupted => INTERRUPTED,
         }
     }

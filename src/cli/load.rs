@@ -1,11 +1,12 @@
 //! From the command line's scene to a description, for every subcommand alike.
 
 use super::Failure;
-use super::args::{PictureArgs, SceneArgs, StudioArgs, UpAxis};
+use super::args::{PictureArgs, SceneArgs};
+use super::model_args::{StudioArgs, UpAxis};
 use crate::report::scene::TextureTotals;
 use crate::scene::Description;
 use crate::scene::import::models::{self, ModelKind, ModelOptions, ModelSource};
-use crate::scene::import::studio::Studio;
+use crate::scene::import::studio::{Sky, Studio};
 use crate::scene::import::{ImportOptions, mitsuba};
 use crate::texture::TextureStore;
 use std::path::{Path, PathBuf};
@@ -128,6 +129,27 @@ pub fn load(
     subject: &Subject,
     picture: Option<&PictureArgs>,
 ) -> Result<Loaded, Failure> {
+    load_in(args, subject, &args.studio, picture)
+}
+
+/// Reads a scene, or models without the light of a studio, which would stand among what is measured.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_unlit(args: &SceneArgs, subject: &Subject) -> Result<Loaded, Failure> {
+    let studio = StudioArgs {
+        sky: args.studio.sky.clone().or(Some(Sky::None)),
+        ..args.studio.clone()
+    };
+    load_in(args, subject, &studio, None)
+}
+
+fn load_in(
+    args: &SceneArgs,
+    subject: &Subject,
+    studio: &StudioArgs,
+    picture: Option<&PictureArgs>,
+) -> Result<Loaded, Failure> {
     let textures = Arc::new(TextureStore::new(args.texture_memory));
     let mut options = ImportOptions::new(textures.clone());
     options.lenient = args.lenient;
@@ -138,7 +160,7 @@ pub fn load(
         .collect();
     let description = match subject {
         Subject::Scene(path) => mitsuba::load(path, &options)?,
-        Subject::Models(sources) => load_models(sources, &args.studio, &options, picture)?,
+        Subject::Models(sources) => load_models(sources, studio, &options, picture)?,
     };
     for warning in &description.warnings {
         tracing::warn!("{warning}");

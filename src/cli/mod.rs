@@ -5,14 +5,19 @@
 //! to standard error through [`console`]; standard output carries only what was asked for.
 
 pub mod args;
+pub mod bench;
 pub mod check;
+pub mod compare;
 pub mod console;
 pub mod failure;
+pub mod generate;
 pub mod info;
 pub mod interrupt;
 pub mod load;
 pub mod make;
+pub mod measure_args;
 pub mod memory;
+pub mod model_args;
 pub mod output;
 pub mod overrides;
 pub mod preview;
@@ -39,6 +44,9 @@ impl Cli {
             Command::Info(args) => info::run(args),
             Command::Check(args) => check::run(args),
             Command::Make(args) => make::run(args),
+            Command::Compare(args) => compare::run(args),
+            Command::Bench(what) => bench::run(what),
+            Command::Generate(args) => generate::run(args),
         }
     }
 }

@@ -98,14 +98,21 @@ impl Outputs {
     /// # Errors
     /// When the file cannot be written.
     pub fn write_stats(&self, json: &str) -> Result<(), Failure> {
-        let Some(path) = &self.stats else {
-            return Ok(());
-        };
-        atomic::replace(path, |file| {
-            std::fs::write(file, json).map_err(|e| e.to_string())
-        })
-        .map_err(|e| Failure::Refused(e.to_string()))
+        self.stats
+            .as_ref()
+            .map_or(Ok(()), |path| write_text(path, json))
     }
+}
+
+/// Writes a text file, whole or not at all.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
+    atomic::replace(path, |file| {
+        std::fs::write(file, text).map_err(|e| e.to_string())
+    })
+    .map_err(|e| Failure::Refused(e.to_string()))
 }
 
 /// Writes an image that cannot go where it should (the disk is full, the directory has gone) to the
@@ -132,7 +139,10 @@ fn default_name(scene: &Path) -> Result<PathBuf, Failure> {
 }
 
 /// Without OpenImageIO only EXR can be written.
-fn check_compiled(path: &Path) -> Result<(), Failure> {
+///
+/// # Errors
+/// When this build cannot write the format.
+pub fn check_compiled(path: &Path) -> Result<(), Failure> {
     if cfg!(feature = "oiio") || Format::of(path) == Ok(Format::Exr) {
         return Ok(());
     }
@@ -143,7 +153,10 @@ fn check_compiled(path: &Path) -> Result<(), Failure> {
 }
 
 /// Makes and removes a file in the directory where `path` is to be.
-fn try_directory(path: &Path) -> Result<(), Failure> {
+///
+/// # Errors
+/// When that cannot be done.
+pub fn try_directory(path: &Path) -> Result<(), Failure> {
     let directory = match path.parent() {
         Some(d) if !d.as_os_str().is_empty() => d,
         _ => Path::new("."),

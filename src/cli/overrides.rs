@@ -137,6 +137,7 @@ pub fn learn_settings(args: &LightArgs, path: &PathSettings) -> Option<LearnSett
     }
     Some(LearnSettings {
         photons: args.photons,
+        paths: args.paths,
         batches: args.batches,
         memory: args.guide_memory as u64,
         photon: PhotonSettings {
@@ -144,7 +145,7 @@ pub fn learn_settings(args: &LightArgs, path: &PathSettings) -> Option<LearnSett
             roulette_after: path.rr_depth.saturating_sub(2),
             seed: args.seed,
         },
-        direct: true,
+        model: Default::default(),
     })
 }
 

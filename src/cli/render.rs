@@ -70,7 +70,19 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
     );
     let mut film = Film::new(&loaded.description.film);
     let settings = overrides::path_settings(&args.light, &loaded.description.render);
-    let guide = timed(&mut times.train, || train(args, &scene, &settings))?;
+    let camera = Camera::new(
+        &loaded.description.camera,
+        loaded.description.film.width,
+        loaded.description.film.height,
+    );
+    let plain = View {
+        scene: &scene,
+        camera: &camera,
+        film: &loaded.description.film,
+        settings: &settings,
+        guide: None,
+    };
+    let guide = timed(&mut times.train, || train(args, &plain))?;
     let view = Setting {
         scene: &scene,
         loaded: &loaded,
@@ -130,15 +142,15 @@ fn build(args: &RenderArgs, loaded: &mut Loaded) -> Result<Scene, Failure> {
 }
 
 /// Learns the field, if one is wanted, and says what came of it.
-fn train(args: &RenderArgs, scene: &Scene, path: &PathSettings) -> Result<Option<Guide>, Failure> {
-    let Some(settings) = overrides::learn_settings(&args.light, path) else {
+fn train(args: &RenderArgs, view: &View) -> Result<Option<Guide>, Failure> {
+    let Some(settings) = overrides::learn_settings(&args.light, view.settings) else {
         return Ok(None);
     };
-    if scene.lights.is_empty() {
-        tracing::warn!("nothing shines: there is nothing to learn from photons");
+    if view.scene.lights.is_empty() {
+        tracing::warn!("nothing shines: there is nothing to learn");
         return Ok(None);
     }
-    let learned = learn(scene, &settings)?;
+    let learned = learn(view, &settings)?;
     tracing::info!(
         "learned from {} photons ({} landings) in {}: {} links in {} cells, {}",
         words::count(learned.counts.emitted as f64),

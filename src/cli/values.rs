@@ -209,6 +209,28 @@ pub fn amount(text: &str) -> Result<u64, String> {
         .ok_or_else(|| EXPECTED.into())
 }
 
+/// A limit on an error, or a time that may be none.
+///
+/// # Errors
+/// A sentence that says what was expected.
+pub fn limit(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(limit) if limit >= 0.0 && limit.is_finite() => Ok(limit),
+        _ => Err("expected a number from 0 on such as 0.01".into()),
+    }
+}
+
+/// A range of values.
+///
+/// # Errors
+/// A sentence that says what was expected.
+pub fn range(text: &str) -> Result<f64, String> {
+    limit(text)
+        .ok()
+        .filter(|range| *range > 0.0)
+        .ok_or_else(|| "expected a number above 0 such as 1".into())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

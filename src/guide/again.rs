@@ -4,7 +4,7 @@
 //! can only go one level deeper. Showing the batch that was just trained again to the new links fills
 //! their tables without counting anything twice, and the next round can go on.
 
-use super::record::{PathSample, Photon};
+use super::record::{Origin, PathSample, Photon};
 use super::refine::Refined;
 use super::settings::Source;
 use super::train::{CHUNK, Trainer};
@@ -28,10 +28,10 @@ impl Trainer {
         self.refine_shown(Shown::Photons(photons), rounds)
     }
 
-    /// The same for a field of [`Source::Paths`] and the samples that were just trained; other fields
-    /// take one round, without them.
+    /// The same for the camera paths that were just trained; a field of [`Source::Photons`] takes one
+    /// round, without them.
     pub fn refine_with_paths(&mut self, samples: &[PathSample], rounds: u32) -> Refined {
-        if self.settings.source != Source::Paths {
+        if self.settings.source == Source::Photons {
             return self.refine();
         }
         self.refine_shown(Shown::Paths(samples), rounds)
@@ -60,13 +60,21 @@ impl Trainer {
 
     /// Fills the tables of links that have seen nothing yet; returns which they were.
     fn show_again(&mut self, shown: Shown) -> Vec<bool> {
-        let fresh: Vec<bool> = self.tallies.iter().map(|t| t.squares == 0).collect();
+        let origin = match shown {
+            Shown::Photons(_) => Origin::Photon,
+            Shown::Paths(_) => Origin::Path,
+        };
+        let fresh: Vec<bool> = self
+            .tallies
+            .iter()
+            .map(|t| t.squares[origin as usize] == 0)
+            .collect();
         match (shown, self.photon_unit, self.path_unit) {
             (Shown::Photons(photons), Some(unit), _) => {
                 for chunk in photons.chunks(CHUNK) {
                     let intake = self.intake(unit);
                     let deposits: Vec<_> = chunk.par_iter().map(|p| intake.photon(p)).collect();
-                    self.deposit(deposits, unit, false, Some(&fresh));
+                    self.deposit(deposits, unit, origin, Some(&fresh));
                 }
             }
             (Shown::Paths(samples), _, Some(unit)) => {
@@ -90,7 +98,7 @@ impl Trainer {
                             node.visits[octant as usize] += 1;
                         }
                     }
-                    self.deposit(deposits, unit, true, Some(&fresh));
+                    self.deposit(deposits, unit, origin, Some(&fresh));
                 }
             }
             _ => {}

@@ -214,7 +214,21 @@ impl Field {
     /// for; pass white when unsure. Neither changes which directions are possible, only how likely.
     #[inline]
     pub fn at(&self, position: Vec3, normal: Option<Vec3>, throughput: Rgb) -> LocalField<'_> {
-        LocalField::new(self, position, normal, throughput)
+        let side = normal.unwrap_or(Vec3::Z);
+        LocalField::new(self, position, side, normal, throughput)
+    }
+
+    /// The same for a surface whose side `side` is known while light may reach it from beyond its
+    /// `horizon`, too (a leaf, frosted glass): then pass no horizon.
+    #[inline]
+    pub fn at_side(
+        &self,
+        position: Vec3,
+        side: Vec3,
+        horizon: Option<Vec3>,
+        throughput: Rgb,
+    ) -> LocalField<'_> {
+        LocalField::new(self, position, side, horizon, throughput)
     }
 
     /// Bytes of the frozen field.

@@ -14,7 +14,7 @@ use crate::math::sum::SumUnit;
 use std::path::Path;
 
 const MAGIC: &[u8; 8] = b"TWINTREE";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Magic, version, length, checksum.
 const HEADER: usize = 8 + 4 + 8 + 4;
 
@@ -143,8 +143,7 @@ impl Trainer {
                 .iter()
                 .chain(&t.paths.0)
                 .for_each(|&q| w.u128(q));
-            w.u64(t.count);
-            w.u64(t.squares);
+            t.count.iter().chain(&t.squares).for_each(|&n| w.u64(n));
             let at = l as usize * stride;
             self.table[at..at + stride].iter().for_each(|&e| w.u32(e));
         }
@@ -276,7 +275,7 @@ fn read_body(t: &mut Trainer, r: &mut Reader) -> Option<()> {
     }
     let leaves = t.product.leaves();
     let stride = t.table_stride();
-    let each = 6 * 16 + 16 + 4 * stride;
+    let each = 6 * 16 + 32 + 4 * stride;
     if leaves.len().checked_mul(each)? > r.0.len() {
         return None;
     }
@@ -286,8 +285,9 @@ fn read_body(t: &mut Trainer, r: &mut Reader) -> Option<()> {
         let tally = &mut t.tallies[l as usize];
         tally.photons = read_flux(r)?;
         tally.paths = read_flux(r)?;
-        tally.count = r.u64()?;
-        tally.squares = r.u64()?;
+        for n in tally.count.iter_mut().chain(&mut tally.squares) {
+            *n = r.u64()?;
+        }
         for e in &mut t.table[l as usize * stride..(l as usize + 1) * stride] {
             *e = r.u32()?;
         }

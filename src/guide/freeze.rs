@@ -2,6 +2,7 @@
 
 use super::field::{Entry, Field, NONE, Node};
 use super::links::{Place, Product, Split, step};
+use super::record::Origin;
 use super::settings::Source;
 use super::train::{Trainer, region};
 use crate::math::DVec3;
@@ -55,11 +56,15 @@ impl Trainer {
         let zero = || vec![DVec3::ZERO; self.tallies.len()];
         let source = self.settings.source;
         let photons = match self.photon_unit {
-            Some(u) if source != Source::Paths => self.smoothed(|l| self.tallies[l].photons.rgb(u)),
+            Some(u) if source != Source::Paths => {
+                self.smoothed(Origin::Photon, |l| self.tallies[l].photons.rgb(u))
+            }
             _ => zero(),
         };
         let paths = match self.path_unit {
-            Some(u) if source != Source::Photons => self.smoothed(|l| self.tallies[l].paths.rgb(u)),
+            Some(u) if source != Source::Photons => {
+                self.smoothed(Origin::Path, |l| self.tallies[l].paths.rgb(u))
+            }
             _ => zero(),
         };
         let emitted = match self.intakes.emitted {
@@ -94,7 +99,7 @@ impl Trainer {
 
     /// Fluxes of leaf links with a few records' worth of each P node's flux spread over its children
     /// by measure (a Polya tree): a child that met nothing yet is dim, not black.
-    fn smoothed(&self, leaf: impl Fn(usize) -> DVec3) -> Vec<DVec3> {
+    fn smoothed(&self, origin: Origin, leaf: impl Fn(usize) -> DVec3) -> Vec<DVec3> {
         let nodes = &self.product.nodes;
         let order = self.product.preorder();
         let mut flux = vec![DVec3::ZERO; nodes.len()];
@@ -104,7 +109,7 @@ impl Trainer {
             let n = nodes[i as usize];
             if split == Split::Leaf {
                 flux[i as usize] = leaf(n.first as usize);
-                count[i as usize] = self.tallies[n.first as usize].count as f64;
+                count[i as usize] = self.tallies[n.first as usize].count[origin as usize] as f64;
                 continue;
             }
             for c in n.first..n.first + arity(split) {
@@ -122,7 +127,7 @@ impl Trainer {
             let first_r = self.space.nodes[r as usize].first;
             let measure = match split {
                 Split::Leaf => continue,
-                Split::Space => self.octant_measure(r),
+                Split::Space => self.octant_measure(r, origin),
                 Split::Direction => [1.0; 8],
             };
             let k = arity(split);

@@ -75,8 +75,10 @@ impl Trainer {
         );
         a.photons.merge(&b.photons);
         a.paths.merge(&b.paths);
-        a.count = a.count.saturating_add(b.count);
-        a.squares = a.squares.saturating_add(b.squares);
+        for origin in 0..2 {
+            a.count[origin] = a.count[origin].saturating_add(b.count[origin]);
+            a.squares[origin] = a.squares[origin].saturating_add(b.squares[origin]);
+        }
         let stride = self.table_stride();
         let from = &other.table[theirs as usize * stride..(theirs as usize + 1) * stride];
         let to = &mut self.table[link as usize * stride..(link as usize + 1) * stride];

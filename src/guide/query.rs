@@ -48,11 +48,12 @@ impl<'f> LocalField<'f> {
     pub(crate) fn new(
         field: &'f Field,
         position: Vec3,
+        side: Vec3,
         normal: Option<Vec3>,
         throughput: Rgb,
     ) -> Self {
         let normal = normal.filter(|n| n.is_finite());
-        let key = field.grid.key(position, normal.unwrap_or(Vec3::Z));
+        let key = field.grid.key(position, side);
         let cell = field.cell_of_key(key);
         let factor = match normal {
             Some(n) if field.groups == GROUPS => field.caps.factors(n, field.product),

@@ -50,6 +50,15 @@ pub struct SurfacePoint {
     pub normal: Vec3,
 }
 
+/// Where a record came from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Origin {
+    /// A photon: its flux counts per area.
+    Photon = 0,
+    /// A camera path: its estimate counts per vertex.
+    Path = 1,
+}
+
 /// Why a record was not used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Dropped {

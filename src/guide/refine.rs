@@ -12,9 +12,11 @@
 //! dividing space first. The best are taken until memory is used up.
 
 use super::links::Split;
+use super::record::Origin;
 use super::space::Space;
 use super::train::{NODE_BYTES, SPACE_BYTES, Trainer};
 use rayon::prelude::*;
+use smallvec::SmallVec;
 
 /// What a round of refining did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
@@ -155,83 +157,74 @@ impl Trainer {
     }
 
     fn candidates(&self, only: Option<&[bool]>) -> Vec<Candidate> {
-        let flux: Vec<f64> = self
-            .tallies
-            .par_iter()
-            .map(|t| self.target_flux(t))
-            .collect();
-        let total: f64 = flux.iter().sum();
-        if total <= 0.0 {
-            return Vec::new();
-        }
-        flux.par_iter()
-            .enumerate()
-            .filter(|(i, _)| only.is_none_or(|o| o[*i]))
-            .filter_map(|(i, f)| self.candidate(i as u32, f / total))
+        let totals = [Origin::Photon, Origin::Path].map(|origin| {
+            let flux = self.tallies.iter().map(|t| self.flux(t, origin));
+            flux.sum::<f64>()
+        });
+        (0..self.tallies.len() as u32)
+            .into_par_iter()
+            .filter(|&i| only.is_none_or(|o| o[i as usize]))
+            .filter_map(|i| {
+                let offers = self.origins().iter().map(|&o| {
+                    let flux = self.flux(&self.tallies[i as usize], o);
+                    self.candidate(i, o, flux / totals[o as usize])
+                });
+                offers
+                    .flatten()
+                    .reduce(|a, b| if b.per_byte > a.per_byte { b } else { a })
+            })
             .collect()
     }
 
-    fn target_flux(&self, t: &super::tally::Tally) -> f64 {
-        let (flux, unit) = if self.settings.source == super::settings::Source::Paths {
-            (&t.paths, self.path_unit)
-        } else {
-            (&t.photons, self.photon_unit)
+    fn flux(&self, t: &super::tally::Tally, origin: Origin) -> f64 {
+        let (flux, unit) = match origin {
+            Origin::Photon => (&t.photons, self.photon_unit),
+            Origin::Path => (&t.paths, self.path_unit),
         };
         unit.map_or(0.0, |u| flux.rgb(u).element_sum() / 3.0)
     }
 
-    /// The better of a link's possible splits, if any is worth it.
-    fn candidate(&self, number: u32, share: f64) -> Option<Candidate> {
+    /// The best of a link's possible splits by the records of one origin, if any is worth it. `share`
+    /// is the link's share of all flux of that origin.
+    fn candidate(&self, number: u32, origin: Origin, share: f64) -> Option<Candidate> {
         let link = self.product.links[number as usize];
-        let tally = &self.tallies[number as usize];
-        let table = self.table(number);
-        let sum = table.total();
-        if tally.squares == 0 || share <= 0.0 || !self.space.is_seen(link.r) {
+        let table = self.table(number, origin);
+        let squares = self.tallies[number as usize].squares[origin as usize];
+        if squares == 0 || share <= 0.0 || share.is_nan() || !self.space.is_seen(link.r) {
             return None;
         }
-        let n = sum * sum / tally.squares as f64;
+        let n = table.total() * table.total() / squares as f64;
         if n < f64::from(self.settings.min_photons.max(self.traits.split_records)) {
             return None;
         }
         let z = f64::from(self.settings.significance);
-        let per_byte = |split: Split, d: f64, cost: usize| Candidate {
+        let offer = |split: Split, d: f64, cost: usize| Candidate {
             link: number,
             split,
             per_byte: share * d / cost as f64,
             gain: share * d,
             name: self.name(number),
         };
-        let mut best: Option<Candidate> = None;
-        let mut offer = |c: Candidate| {
-            if c.gain > 0.0 && best.as_ref().is_none_or(|b| c.per_byte > b.per_byte) {
-                best = Some(c);
-            }
-        };
-        let can_direct =
-            self.traits.splits_directions && link.q.level() < self.settings.max_direction_level;
+        let mut offers: SmallVec<[Candidate; 3]> = SmallVec::new();
         let quadrant_cost = self.cost(number, Split::Direction);
-        if can_direct {
+        let directs = self.traits.splits_directions;
+        if directs && link.q.level() < self.settings.max_direction_level {
             let d = divergence(&table.quadrants(), &[1.0; 4]).significant(n, z);
-            offer(per_byte(Split::Direction, d, quadrant_cost));
+            offers.push(offer(Split::Direction, d, quadrant_cost));
         }
-        if !self.can_split_space(&self.space, link.r) {
-            return best;
+        if self.can_split_space(&self.space, link.r) {
+            let measure = self.octant_measure(link.r, origin);
+            let cost = self.cost(number, Split::Space);
+            let d = divergence(&table.octants(), &measure).significant(n, z);
+            offers.push(offer(Split::Space, d, cost));
+            let joint = joint_divergence(&table, &measure, directs).significant(n, z);
+            let joint_cost = cost + 8 * quadrant_cost * usize::from(directs);
+            offers.push(offer(Split::Space, joint, joint_cost));
         }
-        let measure = self.octant_measure(link.r);
-        let cost = self.cost(number, Split::Space);
-        let d = divergence(&table.octants(), &measure).significant(n, z);
-        offer(per_byte(Split::Space, d, cost));
-        let joint = joint_divergence(&table, &measure, self.traits.splits_directions);
-        let joint_cost = if self.traits.splits_directions {
-            cost + 8 * quadrant_cost
-        } else {
-            cost
-        };
-        offer(Candidate {
-            split: Split::Space,
-            ..per_byte(Split::Space, joint.significant(n, z), joint_cost)
-        });
-        best
+        offers
+            .into_iter()
+            .filter(|c| c.gain > 0.0)
+            .reduce(|a, b| if b.per_byte > a.per_byte { b } else { a })
     }
 
     fn can_split_space(&self, space: &Space, r: u32) -> bool {

@@ -1,7 +1,7 @@
 //! What a leaf link accumulates: exact fluxes, and a small table of how its flux is spread over the
 //! cells a split would make.
 
-use super::record::Deposit;
+use super::record::{Deposit, Origin};
 use crate::math::sum::SumUnit;
 use crate::math::{DVec3, Rgb};
 
@@ -34,10 +34,10 @@ pub(crate) struct Tally {
     pub photons: Flux,
     /// Path samples' target quantity.
     pub paths: Flux,
-    /// Records, including the share inherited when the link was made.
-    pub count: u64,
-    /// Sum of squares of the table's entries as they came, for the effective count.
-    pub squares: u64,
+    /// Records by [`Origin`], including the share inherited when the link was made.
+    pub count: [u64; 2],
+    /// Sum of squares of the table's entries as they came, by origin, for the effective count.
+    pub squares: [u64; 2],
 }
 
 /// What a leaf's table adds up to.
@@ -84,9 +84,16 @@ impl Table<'_> {
 
 /// Adds a record to a leaf's table.
 #[inline]
-pub(crate) fn add_to_table(tally: &mut Tally, table: &mut [u32], cell: usize, d: &Deposit) {
+pub(crate) fn add_to_table(
+    tally: &mut Tally,
+    table: &mut [u32],
+    cell: usize,
+    origin: Origin,
+    d: &Deposit,
+) {
     let w = u64::from(d.table);
-    tally.squares = tally.squares.saturating_add(w * w);
+    let squares = &mut tally.squares[origin as usize];
+    *squares = squares.saturating_add(w * w);
     if let Some(entry) = table.get_mut(cell) {
         *entry = entry.saturating_add(d.table);
     }

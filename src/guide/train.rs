@@ -2,7 +2,9 @@
 
 use super::links::{Link, Product, Split};
 use super::model::{Batch, Region, StatSet, Traits};
-use super::record::{Deposit, Dropped, Intake, PathSample, Photon, SurfacePoint, batch_unit};
+use super::record::{
+    Deposit, Dropped, Intake, Origin, PathSample, Photon, SurfacePoint, batch_unit,
+};
 use super::settings::{GuideError, Settings, Source};
 use super::space::{Grid, Space};
 use super::tally::{Table, Tally, apportion};
@@ -61,7 +63,7 @@ impl Trainer {
             space: Space::new(Grid::new(&settings)),
             product: Product::new(),
             tallies: vec![Tally::default()],
-            table: vec![0; 8 << (2 * traits.table_levels)],
+            table: vec![0; tables(settings.source) * (8 << (2 * traits.table_levels))],
             stats: StatSet::new(settings.model),
             photon_unit: None,
             path_unit: None,
@@ -92,7 +94,9 @@ impl Trainer {
     }
 
     /// Gives points spread uniformly over all surfaces, which together stand for `total_area`. From
-    /// them A(r) is estimated for every cell, now and after later splits. Replaces earlier points.
+    /// them A(r) is estimated for every cell, now and after later splits. Replaces earlier points. A
+    /// field split by normals tells the sides of a surface apart: give it a point for each side that
+    /// light can reach, and count the area of both.
     pub fn set_surface(&mut self, points: &[SurfacePoint], total_area: f64) {
         self.space.points = self.space.keys(points);
         self.space.total_area = if total_area > 0.0 && total_area.is_finite() {
@@ -123,7 +127,7 @@ impl Trainer {
         for chunk in photons.chunks(CHUNK) {
             let intake = self.intake(unit);
             let deposits: Vec<_> = chunk.par_iter().map(|p| intake.photon(p)).collect();
-            self.intakes.photons += self.deposit(deposits, unit, false, None);
+            self.intakes.photons += self.deposit(deposits, unit, Origin::Photon, None);
         }
     }
 
@@ -142,7 +146,7 @@ impl Trainer {
                 self.space.nodes[leaf as usize].visits[octant as usize] += 1;
                 self.intakes.paths += 1;
             }
-            self.deposit(deposits, unit, true, None);
+            self.deposit(deposits, unit, Origin::Path, None);
         }
     }
 
@@ -178,7 +182,7 @@ impl Trainer {
         &mut self,
         deposits: Vec<Result<Deposit, Dropped>>,
         unit: SumUnit,
-        from_paths: bool,
+        origin: Origin,
         again: Option<&[bool]>,
     ) -> u64 {
         let mut usable = Vec::with_capacity(deposits.len());
@@ -207,8 +211,8 @@ impl Trainer {
                 space.grid.octant(key, level)
             },
             unit,
-            from_paths,
-            shapes: from_paths == (self.settings.source == Source::Paths),
+            origin,
+            models: (origin == Origin::Path) == (self.settings.source == Source::Paths),
             again,
         };
         self.stats
@@ -217,22 +221,36 @@ impl Trainer {
     }
 
     pub(crate) fn table_stride(&self) -> usize {
+        tables(self.settings.source) * self.table_size()
+    }
+
+    fn table_size(&self) -> usize {
         8 << (2 * self.traits.table_levels)
     }
 
-    pub(crate) fn table(&self, link: u32) -> Table<'_> {
-        let stride = self.table_stride();
-        let at = link as usize * stride;
+    /// The origins whose records decide about splits.
+    pub(crate) fn origins(&self) -> &'static [Origin] {
+        match self.settings.source {
+            Source::Photons => &[Origin::Photon],
+            Source::Paths => &[Origin::Path],
+            Source::Both => &[Origin::Photon, Origin::Path],
+        }
+    }
+
+    /// How a link's flux of one origin is spread. A field of one source has one table for all.
+    pub(crate) fn table(&self, link: u32, origin: Origin) -> Table<'_> {
+        let (stride, size) = (self.table_stride(), self.table_size());
+        let at = link as usize * stride + (stride - size) * origin as usize;
         Table {
-            entries: &self.table[at..at + stride],
+            entries: &self.table[at..at + size],
         }
     }
 
     /// A link's space octants' shares of what its density refers to: area for photons, vertices for
     /// path samples.
-    pub(crate) fn octant_measure(&self, r: u32) -> [f64; 8] {
+    pub(crate) fn octant_measure(&self, r: u32, origin: Origin) -> [f64; 8] {
         let node = &self.space.nodes[r as usize];
-        if self.settings.source == Source::Paths {
+        if origin == Origin::Path {
             if node.first == 0 {
                 return node.visits.map(|v| v as f64);
             }
@@ -246,19 +264,10 @@ impl Trainer {
     pub(crate) fn split(&mut self, link: u32, how: Split) {
         let parent = self.product.links[link as usize];
         let from = region(&self.space, &parent);
-        let weights: Vec<f64> = match how {
-            Split::Leaf => return,
-            Split::Space => self.table(link).octants().to_vec(),
-            Split::Direction => self.table(link).quadrants().to_vec(),
-        };
-        // Without records in the table, by measure.
-        let weights = if weights.iter().sum::<f64>() > 0.0 {
-            weights
-        } else if how == Split::Space {
-            self.octant_measure(parent.r).to_vec()
-        } else {
-            vec![1.0; 4]
-        };
+        if how == Split::Leaf {
+            return;
+        }
+        let weights = [Origin::Photon, Origin::Path].map(|o| self.shares(link, how, o));
         let new = self.product.split(&mut self.space, link, how);
         let numbers: Vec<u32> = std::iter::once(link).chain(new).collect();
         let to: Vec<Region> = numbers
@@ -274,6 +283,32 @@ impl Trainer {
         self.table[link as usize * stride..(link as usize + 1) * stride].fill(0);
         for (n, t) in numbers.iter().zip(shares) {
             self.tallies[*n as usize] = t;
+        }
+    }
+
+    /// How a link's records of one origin divide among the children of a split: by their table; without
+    /// records in it, by the other origin's, at last by measure.
+    fn shares(&self, link: u32, how: Split, origin: Origin) -> Vec<f64> {
+        let other = match origin {
+            Origin::Photon => Origin::Path,
+            Origin::Path => Origin::Photon,
+        };
+        for o in [origin, other] {
+            let table = self.table(link, o);
+            let shares = match how {
+                Split::Space => table.octants().to_vec(),
+                _ => table.quadrants().to_vec(),
+            };
+            if shares.iter().sum::<f64>() > 0.0 {
+                return shares;
+            }
+        }
+        match how {
+            Split::Space => {
+                let r = self.product.links[link as usize].r;
+                self.octant_measure(r, self.origins()[0]).to_vec()
+            }
+            _ => vec![1.0; 4],
         }
     }
 
@@ -302,22 +337,33 @@ pub(crate) fn region(space: &Space, link: &Link) -> Region {
     }
 }
 
-fn share_tally(t: &Tally, weights: &[f64]) -> Vec<Tally> {
-    let n = weights.len();
-    let mut padded = [0f64; 8];
-    for (p, w) in padded.iter_mut().zip(weights) {
-        *p = *w;
+/// Tables a link keeps.
+fn tables(source: Source) -> usize {
+    match source {
+        Source::Both => 2,
+        _ => 1,
     }
-    let parts = |total: u128| apportion(total, &padded);
-    let photons = t.photons.0.map(parts);
-    let paths = t.paths.0.map(parts);
-    let count = parts(u128::from(t.count));
+}
+
+/// Divides a link's sums among the children of a split, by the shares of each origin.
+fn share_tally(t: &Tally, weights: &[Vec<f64>; 2]) -> Vec<Tally> {
+    let n = weights[0].len();
+    let padded = [0, 1].map(|o| {
+        let mut padded = [0f64; 8];
+        for (p, w) in padded.iter_mut().zip(&weights[o]) {
+            *p = *w;
+        }
+        padded
+    });
+    let photons = t.photons.0.map(|q| apportion(q, &padded[0]));
+    let paths = t.paths.0.map(|q| apportion(q, &padded[1]));
+    let count = [0, 1].map(|o| apportion(u128::from(t.count[o]), &padded[o]));
     (0..n)
         .map(|i| Tally {
             photons: super::tally::Flux(photons.map(|p| p[i])),
             paths: super::tally::Flux(paths.map(|p| p[i])),
-            count: count[i] as u64,
-            squares: 0,
+            count: count.map(|c| c[i] as u64),
+            squares: [0; 2],
         })
         .collect()
 }

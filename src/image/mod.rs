@@ -2,7 +2,7 @@
 //!
 //! [`read`] and [`write`] move whole images of any channels as linear `f32`; [`file::ImageFile`] reads
 //! rows in the file's own precision, for textures. The format of a file to be written follows from its
-//! name. With the feature `oiio` off the `exr` crate reads and writes EXR, and nothing else is known.
+//! name. [`metrics`] says how far one image is from another. With the feature `oiio` off the `exr` crate reads and writes EXR, and nothing else is known.
 //!
 //! ```no_run
 //! use std::path::Path;
@@ -16,6 +16,7 @@ pub mod atomic;
 pub mod curve;
 pub mod file;
 pub mod mapped;
+pub mod metrics;
 #[cfg(feature = "oiio")]
 pub mod oiio;
 #[cfg(any(test, not(feature = "oiio")))]

@@ -9,6 +9,7 @@ use crate::bsdf::{Bsdf, BsdfSample, LobeFlags, Transport};
 use crate::guide::{Field, Fractions, LocalField};
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::texture::SurfacePoint;
+use std::f32::consts::FRAC_1_PI;
 
 /// Lobes narrower than this roughness find their light better by themselves.
 const MIN_ROUGHNESS: f32 = 0.05;
@@ -27,9 +28,33 @@ pub struct GuidedVertex<'a> {
     local: LocalField<'a>,
     /// Probability of drawing from the field.
     fraction: f32,
+    /// Radiance that the surface is expected to reflect, if it were matt.
+    reflected: Rgb,
+}
+
+/// Whether a field could serve a material at all: some lobe is smooth and none too narrow.
+#[inline]
+pub fn is_guidable(bsdf: &Bsdf) -> bool {
+    bsdf.flags().has(LobeFlags::SMOOTH) && bsdf.roughness() >= MIN_ROUGHNESS
+}
+
+/// The shading normal on the side of `wo`.
+#[inline]
+pub fn facing(point: &SurfacePoint, wo: Vec3) -> Vec3 {
+    if point.frame.n.dot(wo) < 0.0 {
+        -point.frame.n
+    } else {
+        point.frame.n
+    }
 }
 
 impl Guide {
+    /// A field that is trusted half of the time everywhere.
+    pub fn new(field: Field) -> Self {
+        let fractions = Fractions::new(&field);
+        Self { field, fractions }
+    }
+
     /// What the field says at a vertex, or nothing where it should not be asked: no smooth lobe, a
     /// lobe too narrow, no light known.
     #[inline]
@@ -40,21 +65,46 @@ impl Guide {
         wo: Vec3,
         throughput: Rgb,
     ) -> Option<GuidedVertex<'_>> {
-        if !bsdf.flags().has(LobeFlags::SMOOTH) || bsdf.roughness() < MIN_ROUGHNESS {
+        if !is_guidable(bsdf) {
             return None;
         }
-        let normal = bsdf.light_normal(wo);
-        let normal = (normal != Vec3::ZERO).then_some(normal);
-        let local = self.field.at(point.p, normal, throughput);
+        let horizon = bsdf.light_normal(wo);
+        let horizon = (horizon != Vec3::ZERO).then_some(horizon);
+        let local = self
+            .field
+            .at_side(point.p, facing(point, wo), horizon, throughput);
         if !local.has_light() {
             return None;
         }
         let fraction = self.fractions.fraction(local.cell());
-        Some(GuidedVertex { local, fraction })
+        let reflected = bsdf.albedo() * local.irradiance() * FRAC_1_PI;
+        Some(GuidedVertex {
+            local,
+            fraction,
+            reflected,
+        })
     }
 }
 
 impl GuidedVertex<'_> {
+    /// Radiance that the surface is expected to reflect, if it were matt: what roulette goes by.
+    #[inline]
+    pub fn reflected(&self) -> Rgb {
+        self.reflected
+    }
+
+    /// Density of the field alone.
+    #[inline]
+    pub fn field_pdf(&self, wi: Vec3) -> f32 {
+        self.local.pdf(wi)
+    }
+
+    /// Density of the BSDF alone, from that of the mixture.
+    #[inline]
+    pub fn bsdf_pdf(&self, mixture: f32, field: f32) -> f32 {
+        ((mixture - self.fraction * field) / (1.0 - self.fraction)).max(0.0)
+    }
+
     /// Density of the mixture for a direction to which the BSDF gives `bsdf_pdf`.
     #[inline]
     pub fn pdf(&self, wi: Vec3, bsdf_pdf: f32) -> f32 {

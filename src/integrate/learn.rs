@@ -3,7 +3,15 @@
 //! Batches double: early ones are cheap and shape the trees coarsely, later ones fill them.
 
 use super::guiding::Guide;
-use crate::guide::{Field, Fractions, GuideError, Photon, Settings, Stats, SurfacePoint, Trainer};
+use super::record::{Lessons, Records};
+use super::render::View;
+use super::vertex::Walk;
+use super::wave::Wave;
+use crate::camera::CameraRay;
+use crate::guide::{
+    Field, GuideError, ModelKind, Photon, Settings, Source, Stats, SurfacePoint, Trainer,
+};
+use crate::math::{PathSampler, Vec2};
 use crate::photon::wave::PhotonWave;
 use crate::photon::{Landing, PhotonCounts, PhotonSettings};
 use crate::scene::Scene;
@@ -13,6 +21,8 @@ use std::time::{Duration, Instant};
 
 /// Photons in a wave: one task.
 const WAVE_PHOTONS: u64 = 8192;
+/// Camera paths in a wave.
+const WAVE_PATHS: u64 = 4096;
 /// Points that measure the area inside cells.
 const AREA_POINTS: usize = 1 << 20;
 /// Rounds of refining after a batch.
@@ -21,16 +31,18 @@ const ROUNDS: u32 = 4;
 /// How a field is learned.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LearnSettings {
-    /// Photon paths in all.
+    /// Photon paths in all; 0 learns from camera paths alone.
     pub photons: u64,
+    /// Camera paths in all; 0 learns from photons alone.
+    pub paths: u64,
     /// Batches they come in; each is twice as large as the one before.
     pub batches: u32,
     /// Most bytes of the trees while they are trained.
     pub memory: u64,
     /// How photons are traced.
     pub photon: PhotonSettings,
-    /// Let light that comes straight from an emitter teach the field, too.
-    pub direct: bool,
+    /// The model on each link.
+    pub model: ModelKind,
 }
 
 /// What learning came to.
@@ -46,38 +58,42 @@ pub struct Learned {
     pub elapsed: Duration,
 }
 
-/// Learns the light field of a scene.
+/// Learns the light field of a scene, as the paths of `view` will need it. A field that the view has
+/// already is not looked at.
 ///
 /// # Errors
 /// When the scene's bounds are empty or a setting is out of range.
-pub fn learn(scene: &Scene, settings: &LearnSettings) -> Result<Learned, GuideError> {
+pub fn learn(view: &View, settings: &LearnSettings) -> Result<Learned, GuideError> {
     let start = Instant::now();
-    let bounds = scene.rays.bounds();
-    let mut guide_settings = Settings::new(bounds.min, bounds.max);
-    guide_settings.memory = settings.memory;
-    guide_settings.seed = settings.photon.seed;
-    let mut trainer = Trainer::build(guide_settings)?;
-    let (points, area) = scene.area_points(AREA_POINTS, settings.photon.seed);
-    let points: Vec<_> = points
-        .iter()
-        .map(|p| SurfacePoint {
-            position: p.position,
-            normal: p.normal,
-        })
-        .collect();
-    trainer.set_surface(&points, area);
+    let mut trainer = prepare(view.scene, settings)?;
     let mut counts = PhotonCounts::default();
-    for range in batches(settings.photons, settings.batches) {
-        let emitted = range.end - range.start;
-        let (photons, batch) = trace_batch(scene, settings, range);
-        counts += batch;
-        trainer.train(&photons, emitted);
-        trainer.refine_with(&photons, ROUNDS);
+    let photons = batches(settings.photons, settings.batches);
+    let paths = batches(settings.paths, settings.batches);
+    for (photons, paths) in photons.into_iter().zip(paths) {
+        if !photons.is_empty() {
+            let emitted = photons.end - photons.start;
+            let (landed, batch) = trace_batch(view.scene, settings, photons);
+            counts += batch;
+            trainer.train(&landed, emitted);
+            trainer.refine_with(&landed, ROUNDS);
+        }
+        if !paths.is_empty() {
+            let guide =
+                (paths.start > 0 || settings.photons > 0).then(|| Guide::new(trainer.freeze()));
+            let lessons = lessons(view, guide.as_ref(), paths);
+            trainer.train_paths(&lessons.samples);
+            trainer.refine_with_paths(&lessons.samples, ROUNDS);
+        }
     }
     let field = trainer.freeze();
-    let fractions = Fractions::new(&field);
     let stats = trainer.stats();
-    let guide = Guide { field, fractions };
+    let mut guide = Guide::new(field);
+    if settings.paths > 0 {
+        // The trees stand now: the last round is for the share of samples they get.
+        let count = (settings.paths / 4).max(1);
+        let lessons = lessons(view, Some(&guide), settings.paths..settings.paths + count);
+        guide.fractions.update(&guide.field, &lessons.fractions);
+    }
     Ok(Learned {
         guide,
         counts,
@@ -86,16 +102,87 @@ pub fn learn(scene: &Scene, settings: &LearnSettings) -> Result<Learned, GuideEr
     })
 }
 
+/// A trainer that knows the scene's bounds and how much surface lies where.
+fn prepare(scene: &Scene, settings: &LearnSettings) -> Result<Trainer, GuideError> {
+    let bounds = scene.rays.bounds();
+    let mut guide_settings = Settings::new(bounds.min, bounds.max);
+    guide_settings.memory = settings.memory;
+    guide_settings.seed = settings.photon.seed;
+    guide_settings.model = settings.model;
+    guide_settings.source = match (settings.photons, settings.paths) {
+        (0, _) => Source::Paths,
+        (_, 0) => Source::Photons,
+        _ => Source::Both,
+    };
+    // Thin walls, lit from one side, are everywhere in real scenes.
+    guide_settings.normal_split = true;
+    let mut trainer = Trainer::build(guide_settings)?;
+    if settings.photons == 0 {
+        return Ok(trainer);
+    }
+    let (points, area) = scene.area_points(AREA_POINTS, settings.photon.seed);
+    // Light lands on either side of a surface.
+    let sides = points.iter().flat_map(|p| {
+        [p.normal, -p.normal].map(|normal| SurfacePoint {
+            position: p.position,
+            normal,
+        })
+    });
+    trainer.set_surface(&sides.collect::<Vec<_>>(), 2.0 * area);
+    Ok(trainer)
+}
+
+/// Traces camera paths, in waves side by side whose lessons are joined in order. Path `i` of a film of
+/// n pixels looks through a pixel of its own, so that a long enough run covers the film evenly.
+fn lessons(view: &View, guide: Option<&Guide>, range: Range<u64>) -> Lessons {
+    let starts: Vec<u64> = range.clone().step_by(WAVE_PATHS as usize).collect();
+    let walk = Walk {
+        guide,
+        ..view.walk()
+    };
+    let waves: Vec<_> = starts
+        .par_iter()
+        .map_init(<(Wave, Records)>::default, |(wave, records), &from| {
+            wave.clear();
+            for i in from..(from + WAVE_PATHS).min(range.end) {
+                let (ray, sampler) = training_ray(view, i);
+                wave.push(ray, sampler);
+            }
+            let mut lessons = Lessons::default();
+            let outcomes = wave.trace(&walk, records);
+            records.conclude(outcomes, &mut lessons);
+            lessons
+        })
+        .collect();
+    let mut all = Lessons::default();
+    for wave in waves {
+        all.append(wave);
+    }
+    all
+}
+
+/// Camera ray `i` of training and the numbers of its path.
+fn training_ray(view: &View, i: u64) -> (CameraRay, PathSampler) {
+    let (w, h) = (u64::from(view.film.width), u64::from(view.film.height));
+    // Steps of the golden ratio visit all pixels in turn and neighbours far apart.
+    let pixel = ((i as f64 * 0.618_033_988_749_894_9).fract() * (w * h) as f64) as u64 % (w * h);
+    let mut sampler = PathSampler::independent(view.settings.seed ^ TRAINING, pixel, i);
+    let u = sampler.next4();
+    let at = Vec2::new((pixel % w) as f32 + u[0], (pixel / w) as f32 + u[1]);
+    let ray = view.camera.ray(at, Vec2::new(u[2], u[3]));
+    (ray, sampler)
+}
+
+/// Sets the numbers of training paths apart from the image's.
+const TRAINING: u64 = 0x5851_f42d_4c95_7f2d;
+
 /// Cuts `photons` into `count` ranges, each twice as long as the one before.
 fn batches(photons: u64, count: u32) -> Vec<Range<u64>> {
     let count = count.clamp(1, 32);
     let shares = (1u64 << count) - 1;
     let end =
         |i: u32| (u128::from(photons) * u128::from((1u64 << i) - 1) / u128::from(shares)) as u64;
-    (0..count)
-        .map(|i| end(i)..end(i + 1))
-        .filter(|r| !r.is_empty())
-        .collect()
+    (0..count).map(|i| end(i)..end(i + 1)).collect()
 }
 
 /// Traces a batch, in waves side by side whose landings are joined in photon order.
@@ -111,7 +198,8 @@ fn trace_batch(
             let mut landed = Vec::new();
             let to = (from + WAVE_PHOTONS).min(range.end);
             let counts = wave.trace(scene, &settings.photon, from..to, &mut |l: Landing| {
-                if settings.direct || l.bounces > 0 {
+                // What comes straight from an emitter is found by next-event estimation.
+                if l.bounces > 0 {
                     landed.push(Photon {
                         position: l.position,
                         direction: l.direction,
@@ -142,6 +230,5 @@ pub fn garbage(scene: &Scene, seed: u64) -> Guide {
         crate::guide::ModelKind::default(),
         seed,
     );
-    let fractions = Fractions::new(&field);
-    Guide { field, fractions }
+    Guide::new(field)
 }

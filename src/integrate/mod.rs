@@ -11,7 +11,10 @@
 
 pub mod guiding;
 pub mod learn;
+pub mod probe;
+pub mod record;
 pub mod render;
+pub mod roulette;
 pub mod vertex;
 pub mod wave;
 

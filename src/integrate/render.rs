@@ -2,6 +2,7 @@
 
 use super::PathSettings;
 use super::guiding::Guide;
+use super::vertex::Walk;
 use super::wave::Wave;
 use crate::camera::Camera;
 use crate::film::filter::FilterSampler;
@@ -100,6 +101,17 @@ pub struct View<'a> {
     pub settings: &'a PathSettings,
     /// A learned field, to guide by.
     pub guide: Option<&'a Guide>,
+}
+
+impl<'a> View<'a> {
+    /// What its paths share.
+    pub fn walk(&self) -> Walk<'a> {
+        Walk {
+            scene: self.scene,
+            settings: self.settings,
+            guide: self.guide,
+        }
+    }
 }
 
 /// Renders until a limit is reached.
@@ -233,7 +245,7 @@ impl Job<'_> {
                     weights.push(self.start(x, y, sample, wave));
                 }
             }
-            let outcomes = wave.trace(self.view.scene, self.view.settings, self.view.guide);
+            let outcomes = wave.trace(&self.view.walk(), &mut ());
             let share = (to - from) as usize;
             for (k, (outcome, weight)) in outcomes.iter().zip(&weights).enumerate() {
                 let sample = Sample {

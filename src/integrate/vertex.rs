@@ -1,10 +1,12 @@
 //! One vertex of a camera path.
 
 use super::PathSettings;
-use super::guiding::{Guide, GuidedVertex};
+use super::guiding::{Guide, GuidedVertex, facing, is_guidable};
+use super::record::{Departure, Onward, Witness};
+use super::roulette;
 use super::wave::{FirstHit, Outcome, Path};
 use crate::accel::{Hit, Ray};
-use crate::bsdf::{Bsdf, LobeFlags, Transport};
+use crate::bsdf::{Bsdf, BsdfSample, LobeFlags, Transport};
 use crate::math::mis::power_heuristic;
 use crate::math::offset::{gamma, offset_origin};
 use crate::math::{Rgb, Vec2, Vec3};
@@ -15,9 +17,6 @@ use crate::texture::SurfacePoint;
 /// A shadow ray stops this much short of the light, relative to the distance, so as not to meet the
 /// light's own surface. An occluder closer to the light than this is not seen.
 const SHADOW_MARGIN: f32 = 1e-4;
-/// Roulette lets no path live more often than this, so that paths between mirrors end (Mitsuba's bound).
-const MAX_SURVIVAL: f32 = 0.95;
-
 /// Light that a sample receives if nothing is in between.
 #[derive(Clone, Copy, Debug)]
 pub struct ShadowRay {
@@ -44,20 +43,35 @@ impl Next {
     };
 }
 
+/// What all vertices of a render share.
+#[derive(Clone, Copy)]
+pub struct Walk<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// How paths are traced.
+    pub settings: &'a PathSettings,
+    /// A learned field, to guide by.
+    pub guide: Option<&'a Guide>,
+}
+
 /// Handles what `ray` met: adds emission to `outcome`, samples a light, samples the BSDF (and the field,
-/// with a `guide`), plays roulette.
-#[allow(clippy::too_many_arguments)]
+/// with a guide), plays roulette.
 #[inline]
 pub fn visit(
-    scene: &Scene,
-    settings: &PathSettings,
-    guide: Option<&Guide>,
+    walk: &Walk,
     ray: &Ray,
     hit: &Hit,
     path: &mut Path,
     outcome: &mut Outcome,
+    witness: &mut impl Witness,
 ) -> Next {
+    let Walk {
+        scene,
+        settings,
+        guide,
+    } = *walk;
     if !hit.is_some() {
+        witness.arrive(path.slot, outcome.radiance, f32::INFINITY);
         add_environment(scene, settings, ray, path, outcome);
         return Next::END;
     }
@@ -66,6 +80,7 @@ pub fn visit(
         .surfaces
         .point(ray, hit, path.cone_width + path.cone_spread * hit.t);
     let wo = -ray.dir;
+    witness.arrive(path.slot, outcome.radiance, hit.t);
     if surface.emitter != DARK {
         add_emission(scene, settings, surface.emitter, &point, wo, path, outcome);
     }
@@ -87,33 +102,30 @@ pub fn visit(
         }
     }
     let guided = guide.and_then(|g| g.at(&point, &bsdf, wo, path.throughput));
+    let vertex = Vertex {
+        point: &point,
+        bsdf: &bsdf,
+        guided: guided.as_ref(),
+        wo,
+    };
     let block = path.sampler.next4();
     let shadow = if bsdf.flags().has(LobeFlags::SMOOTH) {
-        sample_light(
-            scene,
-            settings,
-            &point,
-            (&bsdf, guided.as_ref()),
-            wo,
-            path,
-            [block[0], block[1], block[2]],
-        )
+        sample_light(walk, &vertex, path, [block[0], block[1], block[2]])
     } else {
         path.from_normal = Vec3::ZERO;
         None
     };
-    Next {
-        ray: scatter(
-            settings,
-            &point,
-            (&bsdf, guided.as_ref()),
-            wo,
-            path,
-            block[3],
-            hit.t,
-        ),
-        shadow,
-    }
+    let so_far = outcome.radiance;
+    let ray = scatter(settings, &vertex, path, (block[3], so_far), hit.t, witness);
+    Next { ray, shadow }
+}
+
+/// What is known at a vertex.
+struct Vertex<'v, 's> {
+    point: &'v SurfacePoint<'s>,
+    bsdf: &'v Bsdf,
+    guided: Option<&'v GuidedVertex<'s>>,
+    wo: Vec3,
 }
 
 /// MIS weight of light that the path met by itself, against next-event estimation, which would have
@@ -186,14 +198,20 @@ fn crosses(point: &SurfacePoint, w: Vec3) -> bool {
 /// Next-event estimation: a shadow ray with the light it would bring.
 #[inline]
 fn sample_light(
-    scene: &Scene,
-    settings: &PathSettings,
-    point: &SurfacePoint,
-    (bsdf, guided): (&Bsdf, Option<&GuidedVertex>),
-    wo: Vec3,
+    walk: &Walk,
+    vertex: &Vertex,
     path: &mut Path,
     u: [f32; 3],
 ) -> Option<(Ray, ShadowRay)> {
+    let Walk {
+        scene, settings, ..
+    } = *walk;
+    let Vertex {
+        point,
+        bsdf,
+        guided,
+        wo,
+    } = *vertex;
     path.from_normal = bsdf.light_normal(wo);
     let light = scene.lights.sample(point.p, path.from_normal, u)?;
     if settings.strict_normals && (crosses(point, light.dir) || crosses(point, wo)) {
@@ -225,41 +243,28 @@ fn sample_light(
     ))
 }
 
-/// Samples the BSDF and plays roulette: the next ray, or none.
+/// Samples the BSDF, or the mixture of BSDF and field, and plays roulette: the next ray, or none.
 #[inline]
 fn scatter(
     settings: &PathSettings,
-    point: &SurfacePoint,
-    (bsdf, guided): (&Bsdf, Option<&GuidedVertex>),
-    wo: Vec3,
+    vertex: &Vertex,
     path: &mut Path,
-    u_roulette: f32,
+    (u_roulette, so_far): (f32, Rgb),
     distance: f32,
+    witness: &mut impl Witness,
 ) -> Option<Ray> {
-    let block = path.sampler.next4();
-    let sample = match guided {
-        Some(guided) => guided.sample(bsdf, wo, block)?,
-        None => bsdf.sample(
-            wo,
-            block[0],
-            Vec2::new(block[1], block[2]),
-            Transport::Radiance,
-        )?,
-    };
-    if settings.strict_normals && (crosses(point, sample.wi) || crosses(point, wo)) {
-        return None;
-    }
-    path.throughput *= sample.weight;
-    path.eta *= sample.eta;
-    path.depth += 1;
-    if path.depth >= settings.rr_depth {
-        let survival = (path.throughput.max_element() * path.eta * path.eta).min(MAX_SURVIVAL);
-        if u_roulette >= survival {
-            return None;
-        }
-        path.throughput /= survival;
-    }
-    let delta = sample.lobe.has(LobeFlags::DELTA);
+    let onward = go_on(settings, vertex, path, (u_roulette, so_far));
+    let delta = |sample: &BsdfSample| sample.lobe.has(LobeFlags::DELTA);
+    // A delta lobe was chosen: no smooth direction was. That counts as a vertex without one.
+    watch(
+        vertex,
+        path,
+        onward.as_ref().filter(|o| !delta(&o.0)),
+        witness,
+    );
+    let (sample, _) = onward?;
+    let delta = delta(&sample);
+    let Vertex { point, bsdf, .. } = *vertex;
     path.pdf = if delta { f32::INFINITY } else { sample.pdf };
     path.from = point.p;
     path.cone_width += path.cone_spread * distance;
@@ -270,6 +275,84 @@ fn scatter(
         offset_origin(point.p, point.error, point.ng, sample.wi),
         sample.wi,
     ))
+}
+
+/// The next direction and the chance with which roulette let the path take it, both already part of the
+/// throughput.
+#[inline]
+fn go_on(
+    settings: &PathSettings,
+    vertex: &Vertex,
+    path: &mut Path,
+    (u_roulette, so_far): (f32, Rgb),
+) -> Option<(BsdfSample, f32)> {
+    let Vertex {
+        point,
+        bsdf,
+        guided,
+        wo,
+    } = *vertex;
+    let before = path.throughput;
+    let block = path.sampler.next4();
+    path.depth += 1;
+    let sample = match guided {
+        Some(guided) => guided.sample(bsdf, wo, block)?,
+        None => {
+            let u = Vec2::new(block[1], block[2]);
+            bsdf.sample(wo, block[0], u, Transport::Radiance)?
+        }
+    };
+    if settings.strict_normals && (crosses(point, sample.wi) || crosses(point, wo)) {
+        return None;
+    }
+    path.throughput *= sample.weight;
+    path.eta *= sample.eta;
+    let survival = match guided {
+        Some(guided) => {
+            let coming = (before * guided.reflected()).element_sum();
+            roulette::by_field(path, coming, so_far)
+        }
+        None if path.depth >= settings.rr_depth => roulette::by_throughput(path),
+        None => 1.0,
+    };
+    if u_roulette >= survival {
+        return None;
+    }
+    path.throughput /= survival;
+    Some((sample, survival))
+}
+
+/// Tells the witness how the path left a vertex that a field could guide.
+#[inline]
+fn watch<W: Witness>(
+    vertex: &Vertex,
+    path: &Path,
+    onward: Option<&(BsdfSample, f32)>,
+    witness: &mut W,
+) {
+    if !W::WATCHES || !is_guidable(vertex.bsdf) {
+        return;
+    }
+    let onward = onward.map(|(sample, survival)| {
+        let guide_pdf = vertex.guided.map_or(0.0, |g| g.field_pdf(sample.wi));
+        Onward {
+            direction: sample.wi,
+            pdf: sample.pdf,
+            guide_pdf,
+            bsdf_pdf: vertex
+                .guided
+                .map_or(sample.pdf, |g| g.bsdf_pdf(sample.pdf, guide_pdf)),
+            weight: sample.weight,
+            survival: *survival,
+            throughput: path.throughput,
+        }
+    });
+    let departure = Departure {
+        position: vertex.point.p,
+        normal: facing(vertex.point, vertex.wo),
+        onward,
+    };
+    witness.leave(path.slot, departure);
 }
 
 /// After a rough bounce textures are seen blurred: a lobe of roughness 1 spreads its cone this much per

@@ -1,8 +1,7 @@
 //! A wave of paths that advance together, one bounce at a time.
 
-use super::PathSettings;
-use super::guiding::Guide;
-use super::vertex::{self, ShadowRay};
+use super::record::Witness;
+use super::vertex::{self, ShadowRay, Walk};
 use crate::accel::{Hit, Ray};
 use crate::camera::CameraRay;
 use crate::math::{PathSampler, Rgb, Vec3};
@@ -25,6 +24,9 @@ pub struct Path {
     pub depth: u32,
     /// Which of the wave's samples this is.
     pub slot: u32,
+    /// What the sample is expected to come to by the field's account, summed over the channels; 0 until
+    /// the field was asked.
+    pub expected: f32,
     /// Width of the ray's cone at its origin.
     pub cone_width: f32,
     /// Growth of that width per unit distance.
@@ -84,6 +86,7 @@ impl Wave {
             from_normal: Vec3::ZERO,
             eta: 1.0,
             depth: 0,
+            expected: 0.0,
             slot: self.outcomes.len() as u32,
             cone_width: camera.cone_width,
             cone_spread: camera.cone_spread,
@@ -93,19 +96,14 @@ impl Wave {
         self.outcomes.push(Outcome::default());
     }
 
-    /// Traces all samples to their ends.
-    pub fn trace(
-        &mut self,
-        scene: &Scene,
-        settings: &PathSettings,
-        guide: Option<&Guide>,
-    ) -> &[Outcome] {
+    /// Traces all samples to their ends, watched by `witness` (`&mut ()` for nobody).
+    pub fn trace(&mut self, walk: &Walk, witness: &mut impl Witness) -> &[Outcome] {
         while !self.paths.is_empty() {
             self.hits.resize(self.rays.len(), Hit::NONE);
-            scene.rays.intersect_batch(&self.rays, &mut self.hits);
+            walk.scene.rays.intersect_batch(&self.rays, &mut self.hits);
             self.rays_traced += self.rays.len() as u64;
-            self.advance(scene, settings, guide);
-            self.collect_light(scene);
+            self.advance(walk, witness);
+            self.collect_light(walk.scene);
         }
         &self.outcomes
     }
@@ -116,22 +114,14 @@ impl Wave {
     }
 
     /// Handles one vertex of every path and keeps those that go on, in order.
-    fn advance(&mut self, scene: &Scene, settings: &PathSettings, guide: Option<&Guide>) {
+    fn advance(&mut self, walk: &Walk, witness: &mut impl Witness) {
         self.shadows.clear();
         self.shadow_rays.clear();
         let mut kept = 0;
         for i in 0..self.paths.len() {
             let path = &mut self.paths[i];
             let outcome = &mut self.outcomes[path.slot as usize];
-            let next = vertex::visit(
-                scene,
-                settings,
-                guide,
-                &self.rays[i],
-                &self.hits[i],
-                path,
-                outcome,
-            );
+            let next = vertex::visit(walk, &self.rays[i], &self.hits[i], path, outcome, witness);
             if let Some((ray, shadow)) = next.shadow {
                 self.shadow_rays.push(ray);
                 self.shadows.push(shadow);

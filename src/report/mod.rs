@@ -1,8 +1,11 @@
 //! What is printed about scenes and renders: the only place that turns measurements into text.
 
+pub mod accel;
+pub mod compare;
 pub mod names;
 pub mod scene;
 pub mod stats;
+pub mod table;
 pub mod words;
 
 /// Indented JSON with a line's end. Numbers that are not finite become `null`.

@@ -105,7 +105,8 @@ fn attributes_of(mesh: &Mesh) -> Option<Arc<MeshAttributes>> {
     any.then(|| Arc::new(mesh.attributes.clone()))
 }
 
-fn world_of(description: &Description, materials: &Materials) -> World {
+/// What rays can meet of the shapes and instances of a description.
+pub fn world_of(description: &Description, materials: &Materials) -> World {
     let mut world = World {
         groups: vec![Vec::new(); description.groups as usize],
         ..World::default()

@@ -1,6 +1,9 @@
 //! What a user at the terminal notices: exit codes, messages, files.
 
+mod benching;
+mod comparing;
 mod errors;
+mod generated;
 mod inspect;
 mod messages;
 mod outputs;

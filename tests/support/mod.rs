@@ -224,15 +224,20 @@ impl Built {
             time: None,
             noise: None,
         };
-        let view = View {
+        let view = self.view(settings, guide);
+        let summary = render(&view, &mut film, &limits, &Silent);
+        (film, summary)
+    }
+
+    /// The scene as its camera sees it.
+    pub fn view<'a>(&'a self, settings: &'a PathSettings, guide: Option<&'a Guide>) -> View<'a> {
+        View {
             scene: &self.scene,
             camera: &self.camera,
             film: &self.film,
             settings,
             guide,
-        };
-        let summary = render(&view, &mut film, &limits, &Silent);
-        (film, summary)
+        }
     }
 
     /// Mean of the image over all pixels and channels, with its standard error from the pixels' own variances.

@@ -16,7 +16,7 @@ pub(crate) use vmf::Vmf;
 
 use super::file::{Reader, Writer};
 use super::links::Link;
-use super::record::Deposit;
+use super::record::{Deposit, Origin};
 use super::settings::Product;
 use super::tally::{Table, Tally, add_to_table};
 use crate::math::equal_area::{CODE_LEVELS, DirectionCell};
@@ -105,9 +105,9 @@ pub(crate) struct Batch<'a> {
     pub regions: &'a (dyn Fn(&Link) -> Region + Sync),
     pub octant: &'a (dyn Fn(&Link, u64) -> u32 + Sync),
     pub unit: SumUnit,
-    pub from_paths: bool,
-    /// Whether these records fill the tables and models.
-    pub shapes: bool,
+    pub origin: Origin,
+    /// Whether these records train the models (they do not where another origin does).
+    pub models: bool,
     /// The records have been counted before: they only fill the tables of the links marked here.
     pub again: Option<&'a [bool]>,
 }
@@ -148,7 +148,9 @@ fn accumulate<M: LocalModel>(batch: &Batch, order: &[u64], slots: Slots<M::Stats
 
 fn accumulate_chunk<M: LocalModel>(batch: &Batch, order: &[u64], slots: Slots<M::Stats>) {
     let fine = 1usize << (2 * M::TABLE_LEVELS);
-    let stride = 8 * fine;
+    // One table a link, or two where photons and paths are told apart.
+    let stride = slots.table.len() / slots.tallies.len();
+    let half = (stride - 8 * fine) * batch.origin as usize;
     for run in order.chunk_by(|a, b| a >> 32 == b >> 32) {
         let number = (run[0] >> 32) as usize;
         if batch.again.is_some_and(|fresh| !fresh[number]) {
@@ -158,27 +160,26 @@ fn accumulate_chunk<M: LocalModel>(batch: &Batch, order: &[u64], slots: Slots<M:
         let region = (batch.regions)(link);
         let i = number - slots.first as usize;
         let tally = &mut slots.tallies[i];
-        let table = &mut slots.table[i * stride..(i + 1) * stride];
+        let at = i * stride + half;
+        let table = &mut slots.table[at..at + 8 * fine];
         let down = 2 * u32::from(CODE_LEVELS - link.q.level() - M::TABLE_LEVELS);
         for o in run {
             let d = &batch.deposits[*o as u32 as usize];
             let cell = (batch.octant)(link, d.key) as usize * fine
                 + ((d.code >> down) as usize & (fine - 1));
             if batch.again.is_some() {
-                add_to_table(tally, table, cell, d);
+                add_to_table(tally, table, cell, batch.origin, d);
                 continue;
             }
-            if batch.from_paths {
-                tally.paths.add(batch.unit, d.value);
-            } else {
-                tally.photons.add(batch.unit, d.value);
+            match batch.origin {
+                Origin::Photon => tally.photons.add(batch.unit, d.value),
+                Origin::Path => tally.paths.add(batch.unit, d.value),
             }
-            if !batch.shapes {
-                continue;
+            tally.count[batch.origin as usize] += 1;
+            add_to_table(tally, table, cell, batch.origin, d);
+            if batch.models {
+                M::train(&mut slots.stats[i], &region, d);
             }
-            tally.count += 1;
-            add_to_table(tally, table, cell, d);
-            M::train(&mut slots.stats[i], &region, d);
         }
     }
 }
@@ -352,9 +353,10 @@ fn refit<M: LocalModel>(
     if size_of::<M::Stats>() == 0 {
         return;
     }
-    let stride = 8usize << (2 * M::TABLE_LEVELS);
+    let stride = table.len() / stats.len().max(1);
+    let used = 8usize << (2 * M::TABLE_LEVELS);
     stats.par_iter_mut().enumerate().for_each(|(i, s)| {
-        let entries = &table[i * stride..(i + 1) * stride];
+        let entries = &table[i * stride..i * stride + used];
         M::refit(s, &regions(i as u32), &Table { entries });
     });
 }

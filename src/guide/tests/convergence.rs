@@ -101,7 +101,7 @@ fn showing_a_batch_again_refines_deeper_without_counting_twice() {
     assert!(b < a - 0.1, "{a} {b}");
     let total = |t: &Trainer| -> u128 { t.tallies.iter().map(|t| t.photons.0[0]).sum() };
     assert_eq!(total(&once), total(&again));
-    let count = |t: &Trainer| -> u64 { t.tallies.iter().map(|t| t.count).sum() };
+    let count = |t: &Trainer| -> u64 { t.tallies.iter().flat_map(|t| t.count).sum() };
     assert_eq!(count(&again), 2000 * 63);
     assert_eq!(again.intakes().photons, 2000 * 63);
 }
