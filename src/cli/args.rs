@@ -164,14 +164,9 @@ pub struct RenderArgs {
     /// Ray tracer [default: embree, where it was compiled in]
     #[arg(long, value_name = "NAME", help_heading = "Machine")]
     pub accel: Option<Accel>,
-    /// How its tree is built: quickly, for a render of a minute, small in memory, or for the fastest rays
-    #[arg(
-        long,
-        value_name = "WAY",
-        default_value = "balanced",
-        help_heading = "Machine"
-    )]
-    pub accel_build: AccelBuild,
+    /// How its trees are built [default: balanced, or compact where memory is short]
+    #[arg(long, value_name = "WAY", help_heading = "Machine")]
+    pub accel_build: Option<AccelBuild>,
     /// Show the image while it renders, in the viewer tev (tev=host:port if it runs elsewhere)
     #[arg(long, value_name = "tev[=HOST:PORT]", help_heading = "Messages")]
     pub preview: Option<Preview>,

@@ -1,8 +1,8 @@
 //! From the command line's scene to a description, for every subcommand alike.
 
-use super::Failure;
 use super::args::{PictureArgs, SceneArgs};
 use super::model_args::{StudioArgs, UpAxis};
+use super::{Failure, budget};
 use crate::report::scene::TextureTotals;
 use crate::scene::Description;
 use crate::scene::import::models::{self, ModelKind, ModelOptions, ModelSource};
@@ -196,6 +196,7 @@ fn load_models(
         material: args.material.clone(),
         z_up,
     };
+    budget::check_files(sources)?;
     let parts = models::load(sources, &settings, options)?;
     Ok(studio.compose(parts)?)
 }

@@ -6,6 +6,7 @@
 
 pub mod args;
 pub mod bench;
+pub mod budget;
 pub mod check;
 pub mod compare;
 pub mod console;

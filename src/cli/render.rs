@@ -8,7 +8,7 @@ use super::output::Outputs;
 use super::preview::Tev;
 use super::progress::Watch;
 use super::values::Preview;
-use super::{Failure, memory, overrides, threads};
+use super::{Failure, budget, memory, overrides, threads};
 use crate::accel::{Backend, BuildQuality, BuildSettings};
 use crate::camera::Camera;
 use crate::film::Film;
@@ -128,13 +128,21 @@ fn build(args: &RenderArgs, loaded: &mut Loaded) -> Result<Scene, Failure> {
         Some(Accel::Embree) => Backend::Embree,
         Some(Accel::Obvhs) => Backend::Obvhs,
     };
+    let load = budget::Load {
+        triangles: triangles(&loaded.description),
+        instances: loaded.description.instances.len() as u64,
+    };
+    let way = budget::choose(args.accel_build, backend, load, memory::available_bytes())?;
+    if way == AccelBuild::Compact && args.accel_build.is_none() {
+        tracing::info!("memory is short: the ray tracer's trees are built small");
+    }
     let settings = BuildSettings {
-        quality: match args.accel_build {
+        quality: match way {
             AccelBuild::Fast => BuildQuality::Fast,
             AccelBuild::Balanced | AccelBuild::Compact => BuildQuality::Balanced,
             AccelBuild::High => BuildQuality::High,
         },
-        compact: args.accel_build == AccelBuild::Compact,
+        compact: way == AccelBuild::Compact,
         threads: threads::count(),
         ..BuildSettings::default()
     };

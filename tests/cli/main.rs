@@ -6,6 +6,7 @@ mod errors;
 mod generated;
 mod inspect;
 mod messages;
+mod models;
 mod outputs;
 mod stopping;
 mod support;

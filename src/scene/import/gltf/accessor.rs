@@ -132,11 +132,6 @@ impl<'a> Accessors<'a> {
             .ok_or_else(|| self.fail(format!("accessor {index} is of no known type")))
     }
 
-    /// How many elements accessor `index` has.
-    pub fn count(&self, index: usize) -> Result<usize, ImportError> {
-        self.get(index).map(|(accessor, ..)| accessor.count)
-    }
-
     /// How many components its elements have.
     pub fn width(&self, index: usize) -> Result<usize, ImportError> {
         self.get(index).map(|(.., n)| n)

@@ -1,12 +1,15 @@
 //! The bytes of a glTF file: JSON and buffers, from a `.gltf` with files beside it or from one `.glb`.
 
-use super::schema::{Buffer, Document};
+use super::meshopt::{self, Compression};
+use super::schema::{Buffer, BufferView, Document};
 use super::{error, hint};
 use crate::image::mapped::{self, Mapped};
 use crate::scene::import::{ImportError, Location};
 use base64::Engine;
 use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use rayon::prelude::*;
+use std::collections::HashMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -21,6 +24,8 @@ pub(super) struct Container {
     pub document: Document,
     file: Mapped,
     buffers: Vec<Bytes>,
+    /// Buffer views that were compressed.
+    decoded: HashMap<usize, Vec<u8>>,
 }
 
 /// Where a buffer's bytes are.
@@ -45,13 +50,39 @@ impl Container {
             document,
             file,
             buffers: Vec::new(),
+            decoded: HashMap::new(),
         };
         container.check_version()?;
         for (index, buffer) in container.document.buffers.iter().enumerate() {
             let bytes = container.buffer(index, buffer, &binary)?;
             container.buffers.push(bytes);
         }
+        container.decoded = container.decompress()?;
         Ok(container)
+    }
+
+    /// Decodes all buffer views that are compressed.
+    fn decompress(&self) -> Result<HashMap<usize, Vec<u8>>, ImportError> {
+        let decode = |(index, view): (usize, &BufferView)| {
+            let extension = view.extensions.get(meshopt::NAME)?.clone();
+            let decoded = serde_json::from_value::<Compression>(extension)
+                .map_err(|e| e.to_string())
+                .and_then(|how| {
+                    let place = (how.buffer, how.byte_offset, how.byte_length);
+                    let bytes = self.slice(place).ok_or("reaches beyond its buffer")?;
+                    meshopt::decode(bytes, &how)
+                });
+            let fail = |e: String| error(&self.path, format!("buffer view {index} {e}"));
+            Some(decoded.map(|d| (index, d)).map_err(fail))
+        };
+        let views = self.document.buffer_views.par_iter().enumerate();
+        views.filter_map(decode).collect()
+    }
+
+    /// `length` bytes of a buffer from `offset`, if they are there.
+    fn slice(&self, (buffer, offset, length): (usize, usize, usize)) -> Option<&[u8]> {
+        let bytes = self.buffers.get(buffer)?.of(&self.file);
+        bytes.get(offset..offset.checked_add(length)?)
     }
 
     fn check_version(&self) -> Result<(), ImportError> {
@@ -121,24 +152,15 @@ impl Container {
 
     /// The bytes of buffer view `index`.
     pub fn view(&self, index: usize) -> Result<&[u8], ImportError> {
+        if let Some(decoded) = self.decoded.get(&index) {
+            return Ok(decoded);
+        }
         let fail = |message: String| error(&self.path, message);
         let views = &self.document.buffer_views;
         let view = views
             .get(index)
             .ok_or_else(|| fail(format!("there is no buffer view {index}")))?;
-        let name = "EXT_meshopt_compression";
-        if view.extensions.contains_key(name) {
-            let message = format!("is compressed with {name}, which cannot be read");
-            let help = "decompress it, for example with: gltfpack -i in.glb -o out.glb -noq, or gltf-transform copy";
-            return Err(hint(&self.path, message, help));
-        }
-        let bytes = self
-            .buffers
-            .get(view.buffer)
-            .ok_or_else(|| fail(format!("buffer view {index} is in no buffer")))?
-            .of(&self.file);
-        let end = view.byte_offset.checked_add(view.byte_length);
-        end.and_then(|end| bytes.get(view.byte_offset..end))
+        self.slice((view.buffer, view.byte_offset, view.byte_length))
             .ok_or_else(|| fail(format!("buffer view {index} reaches beyond its buffer")))
     }
 }

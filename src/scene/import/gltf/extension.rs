@@ -6,8 +6,9 @@ use serde_json::Value;
 
 /// Extensions that are understood, if not always to the last of their parameters: what is left out of
 /// them is told where it is met.
-pub(super) const KNOWN: [&str; 17] = [
+pub(super) const KNOWN: [&str; 18] = [
     "EXT_mesh_gpu_instancing",
+    super::meshopt::NAME,
     "EXT_texture_webp",
     "KHR_lights_punctual",
     "KHR_materials_clearcoat",

@@ -75,7 +75,9 @@ impl Importer<'_> {
         };
         let info = extension.texture("transmissionTexture");
         let share = self.textured(info.as_ref(), Use::Channel(0), Rgb::splat(factor))?;
-        if self.has_volume(material) {
+        if let Some(tint) = self.volume(material) {
+            let color = core.color.clone().scaled(tint);
+            let core = Core { color, ..core };
             let body = principled(&core, share, core.ior, sheen);
             return Ok((self.push(body), true));
         }
@@ -98,17 +100,27 @@ impl Importer<'_> {
         Ok((self.push(blend), true))
     }
 
-    /// Whether the surface encloses a volume; absorption inside it is not modelled.
-    fn has_volume(&mut self, material: &schema::Material) -> bool {
-        let Some(volume) = Extension::of(&material.extensions, "KHR_materials_volume") else {
-            return false;
-        };
-        let white = volume.color("attenuationColor", Rgb::ONE) == Rgb::ONE;
-        let far = volume.number("attenuationDistance", f32::INFINITY) == f32::INFINITY;
-        if !(white || far) {
-            self.warn("attenuation of KHR_materials_volume is left out: volumes are clear");
+    /// What is left of light on its way through the volume that the surface encloses; `None` for thin
+    /// surfaces. The way is taken to be the file's thickness, whatever the ray's own (Beer and Lambert:
+    /// the colour to the power of the thickness over the distance); half of it, by the square root, is
+    /// paid at each crossing of the surface.
+    fn volume(&mut self, material: &schema::Material) -> Option<Rgb> {
+        let volume = Extension::of(&material.extensions, "KHR_materials_volume")?;
+        let thickness = volume.number("thicknessFactor", 0.0);
+        if thickness <= 0.0 {
+            return None;
         }
-        volume.number("thicknessFactor", 0.0) > 0.0
+        let color = volume.color("attenuationColor", Rgb::ONE);
+        let distance = volume.number("attenuationDistance", f32::INFINITY);
+        if color == Rgb::ONE || !(distance > 0.0 && distance.is_finite()) {
+            return Some(Rgb::ONE);
+        }
+        self.warn("KHR_materials_volume: light is absorbed as over the thickness of the file, not as over each ray's own way");
+        if volume.texture("thicknessTexture").is_some() {
+            self.warn("\"thicknessTexture\" of KHR_materials_volume is left out");
+        }
+        let power = thickness / distance;
+        Some(color.clamp(Rgb::ZERO, Rgb::ONE).powf(power))
     }
 
     /// Strength of the sheen.

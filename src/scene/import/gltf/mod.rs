@@ -17,6 +17,7 @@ mod extension;
 mod layers;
 mod lights;
 mod materials;
+mod meshopt;
 mod nodes;
 mod place;
 mod primitive;
@@ -116,10 +117,7 @@ impl<'a> Importer<'a> {
             .collect();
         if !required.is_empty() {
             let message = format!("requires {}, which cannot be read", required.join(", "));
-            let help = if required
-                .iter()
-                .any(|n| n.contains("draco") || n.contains("meshopt"))
-            {
+            let help = if required.iter().any(|n| n.contains("draco")) {
                 "export it without compression of meshes"
             } else {
                 "export it without that extension"

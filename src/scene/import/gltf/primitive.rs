@@ -33,10 +33,12 @@ pub(super) struct Job<'a> {
 pub(super) fn load(accessors: Accessors, job: &Job) -> Result<Option<Loaded>, ImportError> {
     let primitive = job.primitive;
     let path = &accessors.container.path;
-    let Some(&positions) = primitive.attributes.get("POSITION") else {
+    if !primitive.attributes.contains_key("POSITION") {
         return Ok(None);
-    };
-    let count = accessors.count(positions)?;
+    }
+    // Read first: what has no bytes in the file is an error before anything is made as long as it.
+    let positions = vectors(accessors, primitive, job.weights, "POSITION")?.unwrap_or_default();
+    let count = positions.len();
     let indices = match primitive.indices {
         Some(indices) => accessors.indices(indices)?,
         None => (0..u32::try_from(count).unwrap_or(u32::MAX)).collect(),
@@ -49,7 +51,7 @@ pub(super) fn load(accessors: Accessors, job: &Job) -> Result<Option<Loaded>, Im
         triangles.iter_mut().for_each(|t| t.swap(1, 2));
     }
     let mut buffers = Buffers {
-        positions: vectors(accessors, primitive, job.weights, "POSITION")?.unwrap_or_default(),
+        positions,
         normals: vectors(accessors, primitive, job.weights, "NORMAL")?,
         uvs: uvs(accessors, primitive, job.uv_set)?,
         triangles,

@@ -29,7 +29,7 @@ const WIDTH: u32 = 768;
 const GROUND_RADII: f32 = 60.0;
 
 /// What is around the models.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Studio {
     /// Where the camera is; `None` takes the first camera of the files, or else a view of all.
     pub view: Option<View>,
@@ -47,21 +47,6 @@ pub struct Studio {
     pub ground: Option<Paint>,
     /// Width and height of the picture, as far as the command line gives them.
     pub size: (Option<u32>, Option<u32>),
-}
-
-impl Default for Studio {
-    fn default() -> Self {
-        Self {
-            view: None,
-            look_at: None,
-            fov_degrees: None,
-            z_up: false,
-            sky: None,
-            environment: None,
-            ground: None,
-            size: (None, None),
-        }
-    }
 }
 
 impl Studio {
