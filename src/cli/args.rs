@@ -1,10 +1,11 @@
 //! What can be typed: the single source of parsing and of `--help`.
 
 use super::measure_args::{Bench, CompareArgs};
-use super::model_args::{MakeArgs, StudioArgs};
-use super::values::{self, Crop, Definition, Depth, Preview};
+use super::part_args::{FarmArgs, MergeArgs, PartArgs};
+use super::scene_args::MakeArgs;
+pub use super::scene_args::SceneArgs;
+use super::values::{self, Crop, Depth, Preview};
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use std::ffi::OsString;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -34,6 +35,10 @@ pub struct Cli {
 pub enum Command {
     /// Render a scene to an image
     Render(Box<RenderArgs>),
+    /// Join the parts of an image that were rendered with --shard
+    Merge(MergeArgs),
+    /// Print job files that render an image in parts on many machines; nothing is submitted
+    Farm(FarmArgs),
     /// Show what is in a scene
     Info(InfoArgs),
     /// Load a scene and say what is wrong with it; nothing is rendered
@@ -78,32 +83,6 @@ pub enum LogLevel {
     Info,
     /// How it is done.
     Debug,
-}
-
-/// Which scene, and how to read it.
-#[derive(Args, Debug)]
-pub struct SceneArgs {
-    /// Scene file (Mitsuba XML), or models (.ply .obj .stl .gltf .glb), each with steps behind an @:
-    /// a.ply@translate=1,0,0;rotate=y,90;scale=2;material=gold;flat;flip
-    #[arg(required = true, value_name = "SCENE|MODEL")]
-    pub files: Vec<OsString>,
-    /// What is around models.
-    #[command(flatten)]
-    pub studio: StudioArgs,
-    /// Value of a $key in the scene; can be given often
-    #[arg(
-        short = 'D',
-        long = "define",
-        value_name = "KEY=VALUE",
-        help_heading = "Scene"
-    )]
-    pub define: Vec<Definition>,
-    /// Put something plain in the place of what is not supported, with a warning, instead of giving up
-    #[arg(long, help_heading = "Scene")]
-    pub lenient: bool,
-    /// Memory for texels, such as 512M or 2G: what does not fit is read again when needed
-    #[arg(long, value_name = "BYTES", default_value = "2G", value_parser = values::bytes, help_heading = "Machine")]
-    pub texture_memory: usize,
 }
 
 /// Arguments of `twintree info`.
@@ -152,6 +131,9 @@ pub struct RenderArgs {
     /// When to stop.
     #[command(flatten)]
     pub stop: StopArgs,
+    /// Parts and checkpoints.
+    #[command(flatten)]
+    pub parts: PartArgs,
     /// Scene.
     #[command(flatten)]
     pub scene: SceneArgs,

@@ -1,7 +1,7 @@
 //! `twintree check`: is the scene all right?
 
 use super::args::CheckArgs;
-use super::load::{self, Subject};
+use super::load::{self, Input};
 use super::{Failure, console};
 
 /// Loads the scene; its warnings are logged on the way.
@@ -10,7 +10,7 @@ use super::{Failure, console};
 /// When the scene cannot be used.
 pub fn run(args: &CheckArgs) -> Result<(), Failure> {
     let scene = args.scene.title();
-    let loaded = load::load(&args.scene, &Subject::of(&args.scene)?, None)?;
+    let loaded = load::load(&args.scene, &Input::of(&args.scene)?, None)?;
     let verdict = match loaded.description.warnings.len() {
         0 => "no warnings".to_owned(),
         1 => "1 warning".to_owned(),

@@ -1,7 +1,7 @@
 //! `twintree info`: what is in a scene.
 
 use super::args::InfoArgs;
-use super::load::{self, Subject};
+use super::load::{self, Input};
 use super::{Failure, console};
 use crate::report::scene::SceneReport;
 
@@ -10,7 +10,7 @@ use crate::report::scene::SceneReport;
 /// # Errors
 /// When the scene cannot be used.
 pub fn run(args: &InfoArgs) -> Result<(), Failure> {
-    let loaded = load::load(&args.scene, &Subject::of(&args.scene)?, None)?;
+    let loaded = load::load(&args.scene, &Input::of(&args.scene)?, None)?;
     let scene = args.scene.title();
     let report = SceneReport::of(&scene, &loaded.description, loaded.textures());
     let text = if args.json {

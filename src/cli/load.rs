@@ -1,10 +1,11 @@
 //! From the command line's scene to a description, for every subcommand alike.
 
 use super::args::{PictureArgs, SceneArgs};
-use super::model_args::{StudioArgs, UpAxis};
+use super::scene_args::{StudioArgs, UpAxis};
 use super::{Failure, budget};
 use crate::report::scene::TextureTotals;
 use crate::scene::Description;
+use crate::scene::fingerprint::fingerprint;
 use crate::scene::import::models::{self, ModelKind, ModelOptions, ModelSource};
 use crate::scene::import::studio::{Sky, Studio};
 use crate::scene::import::{ImportOptions, mitsuba};
@@ -27,18 +28,27 @@ impl Loaded {
             bytes: self.textures.memory_bytes() as u64,
         }
     }
+
+    /// The number that tells this scene from others, of a description that is not built yet.
+    ///
+    /// # Errors
+    /// When a file that the scene names cannot be read.
+    pub fn fingerprint(&self) -> Result<u64, Failure> {
+        fingerprint(&self.description, &self.textures.bitmaps())
+            .map_err(|e| Failure::Wrong(format!("an image of the scene cannot be read: {e}")))
+    }
 }
 
 /// What the words of the command line name.
 #[derive(Debug)]
-pub enum Subject {
+pub enum Input {
     /// A scene file.
     Scene(PathBuf),
     /// Models.
     Models(Vec<ModelSource>),
 }
 
-impl Subject {
+impl Input {
     /// Decides what is to be loaded.
     ///
     /// # Errors
@@ -126,27 +136,27 @@ fn check_no_defines(args: &SceneArgs) -> Result<(), Failure> {
 /// When the scene, or a file that it names, cannot be used.
 pub fn load(
     args: &SceneArgs,
-    subject: &Subject,
+    input: &Input,
     picture: Option<&PictureArgs>,
 ) -> Result<Loaded, Failure> {
-    load_in(args, subject, &args.studio, picture)
+    load_in(args, input, &args.studio, picture)
 }
 
 /// Reads a scene, or models without the light of a studio, which would stand among what is measured.
 ///
 /// # Errors
 /// As [`load`].
-pub fn load_unlit(args: &SceneArgs, subject: &Subject) -> Result<Loaded, Failure> {
+pub fn load_unlit(args: &SceneArgs, input: &Input) -> Result<Loaded, Failure> {
     let studio = StudioArgs {
         sky: args.studio.sky.clone().or(Some(Sky::None)),
         ..args.studio.clone()
     };
-    load_in(args, subject, &studio, None)
+    load_in(args, input, &studio, None)
 }
 
 fn load_in(
     args: &SceneArgs,
-    subject: &Subject,
+    input: &Input,
     studio: &StudioArgs,
     picture: Option<&PictureArgs>,
 ) -> Result<Loaded, Failure> {
@@ -158,9 +168,9 @@ fn load_in(
         .iter()
         .map(|d| (d.name.clone(), d.value.clone()))
         .collect();
-    let description = match subject {
-        Subject::Scene(path) => mitsuba::load(path, &options)?,
-        Subject::Models(sources) => load_models(sources, studio, &options, picture)?,
+    let description = match input {
+        Input::Scene(path) => mitsuba::load(path, &options)?,
+        Input::Models(sources) => load_models(sources, studio, &options, picture)?,
     };
     for warning in &description.warnings {
         tracing::warn!("{warning}");

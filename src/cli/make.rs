@@ -1,6 +1,6 @@
 //! `twintree make`: meshes to render.
 
-use super::model_args::{MakeArgs, MakeCommand, MakeMeshArgs, MeshShape};
+use super::scene_args::{MakeArgs, MakeCommand, MakeMeshArgs, MeshShape};
 use super::{Failure, console};
 use crate::image::atomic;
 use crate::make::{Kind, Pattern, write_ply};

@@ -8,22 +8,28 @@ pub mod args;
 pub mod bench;
 pub mod budget;
 pub mod check;
+pub mod checkpoint;
 pub mod compare;
 pub mod console;
 pub mod failure;
+pub mod farm;
+pub mod finish;
 pub mod generate;
+pub mod identity;
 pub mod info;
 pub mod interrupt;
 pub mod load;
 pub mod make;
 pub mod measure_args;
 pub mod memory;
-pub mod model_args;
+pub mod merge;
 pub mod output;
 pub mod overrides;
+pub mod part_args;
 pub mod preview;
 pub mod progress;
 pub mod render;
+pub mod scene_args;
 pub mod threads;
 pub mod values;
 
@@ -42,6 +48,8 @@ impl Cli {
         threads::start(self.threads)?;
         match &self.command {
             Command::Render(args) => render::run(args, &console),
+            Command::Merge(args) => merge::run(args),
+            Command::Farm(args) => farm::run(args, self.threads),
             Command::Info(args) => info::run(args),
             Command::Check(args) => check::run(args),
             Command::Make(args) => make::run(args),

@@ -27,7 +27,7 @@ impl Subject {
     /// # Errors
     /// When a file cannot be used.
     pub fn load(args: &SceneArgs) -> Result<Self, Failure> {
-        let named = load::Subject::of(args)?;
+        let named = load::Input::of(args)?;
         let mut description = load::load_unlit(args, &named)?.description;
         let world = world_of(&description, &description.materials);
         let triangles = crate::report::scene::triangles(&description);

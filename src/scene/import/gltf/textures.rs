@@ -1,7 +1,7 @@
 //! Textures: images from files, data URIs and buffers, with their samplers and placements.
 //!
-//! The texture loader reads files; images inside the glTF file are put into temporary files that only
-//! this user can read, and that are gone when the import ends: by then their texels are loaded.
+//! The texture loader reads files; images inside the glTF file are put into a temporary directory that
+//! only this user can read, and that is gone when the import ends: by then their texels are loaded.
 
 use super::schema::TextureInfo;
 use super::{Importer, error};
@@ -12,15 +12,16 @@ use crate::texture::{BitmapSettings, Filter, Texture, UvTransform, Wrap};
 use glam::{Affine2, Mat2, Vec2};
 use serde_json::Value;
 use std::collections::HashMap;
-use std::io::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
-use tempfile::NamedTempFile;
+use tempfile::TempDir;
 
 /// Image files in use.
 #[derive(Debug, Default)]
 pub(super) struct Images {
     opened: HashMap<usize, Opened>,
+    /// Where images inside the glTF file are unpacked.
+    folder: Option<TempDir>,
 }
 
 #[derive(Debug)]
@@ -28,7 +29,6 @@ struct Opened {
     path: PathBuf,
     /// Names of the channels.
     channels: usize,
-    _temporary: Option<NamedTempFile>,
 }
 
 /// Which numbers of an image are wanted.
@@ -182,60 +182,64 @@ impl Importer<'_> {
             return Ok((known.path.clone(), known.channels));
         }
         let name = self.image_name(index);
-        let (path, temporary) = self.locate(index, &name)?;
+        let path = self.locate(index, &name)?;
         let file = ImageFile::open(&path)
             .map_err(|e| error(self.path(), format!("{name} cannot be used: {}", e.reason)))?;
         let channels = file.header().channels.len();
         let opened = Opened {
             path: path.clone(),
             channels,
-            _temporary: temporary,
         };
         self.images.opened.insert(index, opened);
         Ok((path, channels))
     }
 
-    fn locate(
-        &self,
-        index: usize,
-        name: &str,
-    ) -> Result<(PathBuf, Option<NamedTempFile>), ImportError> {
-        let fail = |message: String| error(self.path(), message);
-        let image = self.document().images.get(index);
+    fn locate(&mut self, index: usize, name: &str) -> Result<PathBuf, ImportError> {
+        let container = self.container;
+        let fail = |message: String| error(&container.path, message);
+        let image = container.document.images.get(index);
         let image = image.ok_or_else(|| fail(format!("there is no image {index}")))?;
         let decoded;
         let bytes = match (&image.uri, image.buffer_view) {
             (Some(uri), _) if uri.starts_with("data:") => {
-                decoded = self.container.embedded(uri, name)?;
+                decoded = container.embedded(uri, name)?;
                 decoded.as_slice()
             }
-            (Some(uri), _) => return Ok((self.container.resolve(uri, name)?, None)),
-            (None, Some(view)) => self.container.view(view)?,
+            (Some(uri), _) => return container.resolve(uri, name),
+            (None, Some(view)) => container.view(view)?,
             (None, None) => return Err(fail(format!("{name} is nowhere"))),
         };
-        let file = store(bytes, image.mime_type.as_deref());
-        let file = file.map_err(|e| fail(format!("{name} cannot be unpacked: {e}")))?;
-        Ok((file.path().to_owned(), Some(file)))
+        let stored = self.images.store(index, bytes, image.mime_type.as_deref());
+        stored.map_err(|e| fail(format!("{name} cannot be unpacked: {e}")))
     }
 }
 
-/// Puts an image into a temporary file; the name's end tells readers the format.
-fn store(bytes: &[u8], mime_type: Option<&str>) -> std::io::Result<NamedTempFile> {
-    let suffix = match (bytes, mime_type) {
-        ([0x89, b'P', b'N', b'G', ..], _) => ".png",
-        ([0xff, 0xd8, ..], _) => ".jpg",
-        ([b'R', b'I', b'F', b'F', ..], _) => ".webp",
-        ([0x76, 0x2f, 0x31, 0x01, ..], _) => ".exr",
-        (_, Some("image/jpeg")) => ".jpg",
-        _ => ".png",
-    };
-    let mut file = tempfile::Builder::new()
-        .prefix("twintree-")
-        .suffix(suffix)
-        .tempfile()?;
-    file.write_all(bytes)?;
-    file.flush()?;
-    Ok(file)
+impl Images {
+    /// Unpacks an image. Its name is always the same, since it helps to tell scenes apart; the name's
+    /// end tells readers the format.
+    fn store(
+        &mut self,
+        index: usize,
+        bytes: &[u8],
+        mime_type: Option<&str>,
+    ) -> std::io::Result<PathBuf> {
+        let suffix = match (bytes, mime_type) {
+            ([0x89, b'P', b'N', b'G', ..], _) => "png",
+            ([0xff, 0xd8, ..], _) => "jpg",
+            ([b'R', b'I', b'F', b'F', ..], _) => "webp",
+            ([0x76, 0x2f, 0x31, 0x01, ..], _) => "exr",
+            (_, Some("image/jpeg")) => "jpg",
+            _ => "png",
+        };
+        let folder = match self.folder.take() {
+            Some(folder) => folder,
+            None => tempfile::Builder::new().prefix("twintree-").tempdir()?,
+        };
+        let path = self.folder.insert(folder).path();
+        let path = path.join(format!("image-{index}.{suffix}"));
+        std::fs::write(&path, bytes)?;
+        Ok(path)
+    }
 }
 
 /// Normals times `scale` in x and y, before they are normalised; `mirrored` turns y around, for

@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::accel::TriangleMesh;
-use crate::bsdf::Materials;
 use crate::camera::{Camera, Projection};
 use crate::light::Emitter;
 use crate::math::DAffine3;
@@ -22,20 +21,17 @@ fn model(center: Vec3, half: Vec3) -> Parts {
         triangles: Arc::new(TriangleMesh::new(positions, triangles).unwrap()),
         ..Mesh::default()
     };
-    let mut materials = Materials::default();
-    let material = Paint::clay().add(&mut materials, false);
-    Parts {
-        shapes: vec![Shape {
-            name: "box".into(),
-            geometry: Geometry::Mesh(Arc::new(mesh)),
-            material,
-            emitter: None,
-            flip_normals: false,
-            group: None,
-        }],
-        materials,
-        ..Parts::default()
-    }
+    let mut parts = Parts::default();
+    let material = Paint::clay().add(&mut parts.materials, false);
+    parts.shapes.push(Shape {
+        name: "box".into(),
+        geometry: Geometry::Mesh(Arc::new(mesh)),
+        material,
+        emitter: None,
+        flip_normals: false,
+        group: None,
+    });
+    parts
 }
 
 const HALF: Vec3 = Vec3::new(1.0, 2.0, 0.5);

@@ -1,11 +1,38 @@
-//! What can be typed about models without a scene, and to make some.
+//! What can be typed about what is rendered: scenes, models without a scene, and models to be made.
 
-use super::values;
+use super::values::{self, Definition};
 use crate::math::DVec3;
 use crate::scene::import::models::palette::Paint;
 use crate::scene::import::studio::{self, Sky, View};
 use clap::{Args, Subcommand, ValueEnum};
+use std::ffi::OsString;
 use std::path::PathBuf;
+
+/// Which scene, and how to read it.
+#[derive(Args, Debug)]
+pub struct SceneArgs {
+    /// Scene file (Mitsuba XML), or models (.ply .obj .stl .gltf .glb), each with steps behind an @:
+    /// a.ply@translate=1,0,0;rotate=y,90;scale=2;material=gold;flat;flip
+    #[arg(required = true, value_name = "SCENE|MODEL")]
+    pub files: Vec<OsString>,
+    /// What is around models.
+    #[command(flatten)]
+    pub studio: StudioArgs,
+    /// Value of a $key in the scene; can be given often
+    #[arg(
+        short = 'D',
+        long = "define",
+        value_name = "KEY=VALUE",
+        help_heading = "Scene"
+    )]
+    pub define: Vec<Definition>,
+    /// Put something plain in the place of what is not supported, with a warning, instead of giving up
+    #[arg(long, help_heading = "Scene")]
+    pub lenient: bool,
+    /// Memory for texels, such as 512M or 2G: what does not fit is read again when needed
+    #[arg(long, value_name = "BYTES", default_value = "2G", value_parser = values::bytes, help_heading = "Machine")]
+    pub texture_memory: usize,
+}
 
 /// What is around models that come without a scene.
 #[derive(Args, Debug, Clone, PartialEq)]
