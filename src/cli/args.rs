@@ -287,19 +287,19 @@ pub struct LightArgs {
     #[arg(
         long,
         value_name = "N",
-        default_value_t = 2_000_000,
+        default_value_t = 500_000,
         help_heading = "Light transport"
     )]
     pub photons: u64,
-    /// Camera paths that teach the field, with --guide double
+    /// Camera paths that teach the field, with --guide double: the first samples of the image
     #[arg(
         long,
         value_name = "N",
-        default_value_t = 1_000_000,
+        default_value_t = 2_000_000,
         help_heading = "Light transport"
     )]
     pub paths: u64,
-    /// Batches they come in, each twice as large as the one before
+    /// Batches that photons come in, each twice as large as the one before
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=32), help_heading = "Light transport")]
     pub batches: u32,
     /// Memory for the field while it is learned, such as 64M
