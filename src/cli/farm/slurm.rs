@@ -39,6 +39,8 @@ while :; do
     # The signal ends the wait, not the render.
     kill -0 "$render" 2>/dev/null || break
 done
+# Killed (137: out of memory, a machine in trouble): again, but not for ever.
+[ "$code" != 137 ] || [ "${{SLURM_RESTART_COUNT:-0}}" -ge 5 ] || code=75
 [ "$code" != 75 ] || scontrol requeue "$SLURM_JOB_ID"
 exit "$code"
 END

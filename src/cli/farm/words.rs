@@ -102,11 +102,12 @@ pub fn sort(words: &[String]) -> Result<Words, Failure> {
 fn values(matches: &ArgMatches, id: &str, delimiter: Option<char>) -> Vec<String> {
     let occurrences = matches.get_raw_occurrences(id).into_iter().flatten();
     let between = delimiter.map(String::from).unwrap_or_default();
-    let joined = |values: clap::parser::RawValues<'_>| {
-        let texts: Vec<_> = values.map(|v| v.to_string_lossy().into_owned()).collect();
-        texts.join(&between)
-    };
-    occurrences.map(joined).collect()
+    occurrences
+        .map(|values| {
+            let texts: Vec<_> = values.map(|v| v.to_string_lossy().into_owned()).collect();
+            texts.join(&between)
+        })
+        .collect()
 }
 
 /// An option as it may be typed.
