@@ -15,8 +15,7 @@ use super::{Failure, overrides, threads};
 use crate::accel::{Backend, BuildSettings};
 use crate::camera::Camera;
 use crate::film::Film;
-use crate::integrate::guiding::Guide;
-use crate::integrate::learn::learn;
+use crate::integrate::learn::Learner;
 use crate::integrate::render::{Limits, Spent, StoppedBy, Summary, View, resume};
 use crate::report::scene::triangles;
 use crate::report::stats::Stats;
@@ -76,21 +75,29 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
     let Some(before) = go_on(args, &outputs, checkpoint.as_ref(), &mut film)? else {
         return Ok(());
     };
-    let guide = timed(&mut times.train, || train(args, &plain))?;
+    let mut learner = learner(args, &plain)?;
+    let photons = learner.as_ref().map_or(Duration::ZERO, Learner::elapsed);
     let setting = Setting {
-        view: View {
-            guide: guide.as_ref(),
-            ..plain
-        },
+        view: plain,
         limits,
         checkpoint: checkpoint.as_ref(),
-        before,
+        before: Spent {
+            time: before.time + photons,
+            ..before
+        },
     };
-    let summary = trace(args, console, &interrupt, &outputs, &setting, &mut film);
+    let guiding = learner.as_mut();
+    let summary = trace(
+        args, console, &interrupt, &outputs, &setting, guiding, &mut film,
+    );
+    if let Some(learner) = &learner {
+        describe(learner);
+        times.train = learner.elapsed().as_secs_f64();
+    }
     let mut stats = measure(args, &scene, &loaded, &film, &summary);
     (stats.triangles, stats.load_seconds) = (triangles, times.load);
     (stats.build_seconds, stats.train_seconds) = (times.build, times.train);
-    stats.field_memory_bytes = guide.as_ref().map_or(0, |g| g.field.bytes());
+    stats.field_memory_bytes = learner.map_or(0, |l| l.guide().field.bytes());
     tracing::info!("{}", stats.sentence());
     warn_of_invalid_samples(&film);
     let done = Done {
@@ -164,8 +171,8 @@ fn build(args: &RenderArgs, loaded: &mut Loaded) -> Result<Scene, Failure> {
     Ok(scene)
 }
 
-/// Learns the field, if one is wanted, and says what came of it.
-fn train(args: &RenderArgs, view: &View) -> Result<Option<Guide>, Failure> {
+/// Begins to learn the field, if one is wanted.
+fn learner(args: &RenderArgs, view: &View) -> Result<Option<Learner>, Failure> {
     let Some(settings) = overrides::learn_settings(&args.light, view.settings) else {
         return Ok(None);
     };
@@ -173,23 +180,33 @@ fn train(args: &RenderArgs, view: &View) -> Result<Option<Guide>, Failure> {
         tracing::warn!("nothing shines: there is nothing to learn");
         return Ok(None);
     }
-    let learned = learn(view, &settings)?;
+    let learner = Learner::new(view.scene, &settings)?;
+    let counts = learner.counts();
     tracing::info!(
-        "learned from {} photons ({} landings) in {}: {} links in {} cells, {}",
-        words::count(learned.counts.emitted as f64),
-        words::count(learned.counts.landings as f64),
-        words::time(learned.elapsed.as_secs_f64()),
-        words::count(learned.stats.links as f64),
-        words::count(learned.stats.space_cells as f64),
-        words::bytes(learned.guide.field.bytes())
+        "learned from {} photons ({} landings) in {}",
+        words::count(counts.emitted as f64),
+        words::count(counts.landings as f64),
+        words::time(learner.elapsed().as_secs_f64()),
     );
-    if learned.counts.invalid > 0 {
+    if counts.invalid > 0 {
         tracing::warn!(
             "{} photons were not finite and were left out",
-            learned.counts.invalid
+            counts.invalid
         );
     }
-    Ok(Some(learned.guide))
+    Ok(Some(learner))
+}
+
+/// Says what was learned.
+fn describe(learner: &Learner) {
+    let stats = learner.stats();
+    tracing::info!(
+        "the field: {} links in {} cells, {}; learning it took {}",
+        words::count(stats.links as f64),
+        words::count(stats.space_cells as f64),
+        words::bytes(learner.guide().field.bytes()),
+        words::time(learner.elapsed().as_secs_f64()),
+    );
 }
 
 fn trace(
@@ -198,6 +215,7 @@ fn trace(
     interrupt: &Interrupt,
     outputs: &Outputs,
     setting: &Setting,
+    learner: Option<&mut Learner>,
     film: &mut Film,
 ) -> Summary {
     let preview = match &args.preview {
@@ -216,7 +234,14 @@ fn trace(
     let goes = (setting.checkpoint, setting.before.time);
     let watch = Watch::start(interrupt, console, limits, film, preview, goes);
     interrupt.be_patient();
-    let summary = resume(&setting.view, film, &limits, setting.before, &watch);
+    let summary = resume(
+        &setting.view,
+        learner,
+        film,
+        &limits,
+        setting.before,
+        &watch,
+    );
     watch.finish(film);
     summary
 }

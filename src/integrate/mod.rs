@@ -15,6 +15,7 @@ pub mod probe;
 pub mod record;
 pub mod render;
 pub mod roulette;
+mod teach;
 pub mod vertex;
 pub mod wave;
 

@@ -57,7 +57,7 @@ fn commands_of_shards_and_merge_parse_back() {
     assert_eq!(render.parts.shard.unwrap().to_string(), "1/3");
     assert_eq!(
         render.files.output,
-        ["a.exr.parts/1-of-3.exr".to_owned()].map(Into::into)
+        [std::path::PathBuf::from("a.exr.parts/1-of-3.exr")]
     );
     assert_eq!((render.stop.spp, render.picture.width), (Some(9), Some(40)));
     assert!(render.parts.resume && render.parts.checkpoint.is_some());
@@ -67,9 +67,9 @@ fn commands_of_shards_and_merge_parse_back() {
     };
     assert_eq!(
         merge.parts,
-        ["a.exr.parts/*-of-3.exr".to_owned()].map(Into::into)
+        [std::path::PathBuf::from("a.exr.parts/*-of-3.exr")]
     );
-    assert_eq!(merge.files.output, ["a.exr".to_owned()].map(Into::into));
+    assert_eq!(merge.files.output, [std::path::PathBuf::from("a.exr")]);
     assert_eq!((plan.threads.as_deref(), plan.slots), (Some("2"), 3));
 }
 
