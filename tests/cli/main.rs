@@ -4,6 +4,7 @@ mod benching;
 mod checkpoints;
 mod comparing;
 mod errors;
+mod farming;
 mod generated;
 mod inspect;
 mod messages;
