@@ -26,13 +26,12 @@ measurement() {
 
 print_times() {
     local release
-    say "seconds, and the render's rate"
+    say "wall-clock seconds, processor seconds, and the render's rate"
     for release in "$@"; do
-        printf 'render, million samples a second\t%s\n' \
-            "$(measurement "$release" samples_per_second | awk '{ printf "%.2f", $1 / 1e6 }')" \
-            >>"$work/$release.times"
-        printf '%s\n' "$release:"
-        sed 's/^/    /' "$work/$release.times" | expand --tabs=44
+        printf '%s:\n' "$release"
+        print_timed "$work/$release.times"
+        measurement "$release" samples_per_second |
+            awk '{ printf "    %-32s %6.2f million samples a second\n", "render", $1 / 1e6 }'
     done
 }
 

@@ -8,7 +8,7 @@ base_archive() {
     local made=$work/$release-base
     debootstrap --variant=minbase "$release" "$made" "$(mirror)" >"$work/debootstrap.log" 2>&1 ||
         { tail -n 20 "$work/debootstrap.log" "$made/debootstrap/debootstrap.log" >&2 || true
-          fail "debootstrap $release"; }
+          skip "debootstrap could not make $release from $(mirror)"; }
     tar --create --file "$archive.part" --directory "$made" .
     mv "$archive.part" "$archive"
     rm -rf --one-file-system "$made"
