@@ -1,7 +1,7 @@
 # What the images take over from the host: network settings and downloads. Sourced by tests/debian/run.
 
-# Kibibytes that the images of both Debians and what is built in them take.
-needed_space=10000000
+# Kibibytes that an image, what is built in it and what is kept between runs take.
+needed_space=8000000
 
 # Why the images cannot be made here; nothing if they can.
 why_not() {
@@ -63,6 +63,8 @@ image_environment() {
     echo LC_ALL=C.UTF-8
     echo DEBIAN_FRONTEND=noninteractive
     echo CARGO_TERM_COLOR=never
+    # Nothing here is built twice, and what incremental builds keep for that costs time and space.
+    echo CARGO_INCREMENTAL=0
     for name in http_proxy https_proxy ftp_proxy no_proxy HTTP_PROXY HTTPS_PROXY NO_PROXY \
         CARGO_BUILD_JOBS RUSTUP_DIST_SERVER RUSTUP_UPDATE_ROOT; do
         [ -z "${!name:-}" ] || echo "$name=${!name}"
