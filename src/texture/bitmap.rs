@@ -51,12 +51,28 @@ pub(super) struct Texels {
 }
 
 /// An image texture, opened.
-#[derive(Debug)]
 pub struct Bitmap {
     texels: Arc<Texels>,
     settings: BitmapSettings,
     /// Squared lengths, in texels, of a step of 1 in u and in v.
     texels_per_uv: Vec2,
+}
+
+/// What was asked for and the size: not the texels, and not the directory, so that a scene that is moved
+/// keeps its fingerprint.
+impl std::fmt::Debug for Bitmap {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let name = self.settings.path.file_name();
+        let settings = BitmapSettings {
+            path: name.map_or_else(Default::default, Into::into),
+            ..self.settings.clone()
+        };
+        f.debug_struct("Bitmap")
+            .field("settings", &settings)
+            .field("width", &self.width())
+            .field("height", &self.height())
+            .finish()
+    }
 }
 
 impl Bitmap {
