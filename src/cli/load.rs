@@ -4,6 +4,7 @@ use super::Failure;
 use super::args::SceneArgs;
 use crate::report::scene::TextureTotals;
 use crate::scene::Description;
+use crate::scene::fingerprint::fingerprint;
 use crate::scene::import::{ImportOptions, mitsuba};
 use crate::texture::TextureStore;
 use std::sync::Arc;
@@ -22,6 +23,15 @@ impl Loaded {
             count: self.textures.file_count(),
             bytes: self.textures.memory_bytes() as u64,
         }
+    }
+
+    /// The number that tells this scene from others, of a description that is not built yet.
+    ///
+    /// # Errors
+    /// When a file that the scene names cannot be read.
+    pub fn fingerprint(&self) -> Result<u64, Failure> {
+        fingerprint(&self.description, &self.textures.bitmaps())
+            .map_err(|e| Failure::Wrong(format!("an image of the scene cannot be read: {e}")))
     }
 }
 
