@@ -88,6 +88,16 @@ impl Trainer {
         &self.settings
     }
 
+    /// Says which scene the field belongs to.
+    pub fn set_scene(&mut self, hash: u64) {
+        self.settings.scene_hash = hash;
+    }
+
+    /// Sets how many batches the records came in: a count of its own, which no sum depends on.
+    pub(crate) fn set_batches(&mut self, batches: u64) {
+        self.intakes.batches = batches;
+    }
+
     /// What came in so far.
     pub fn intakes(&self) -> Intakes {
         self.intakes
@@ -104,12 +114,6 @@ impl Trainer {
         } else {
             1.0
         };
-    }
-
-    /// Gives positions that camera paths met: cells without one are not refined any further. An
-    /// empty slice lifts the restriction.
-    pub fn set_importance(&mut self, points: &[SurfacePoint]) {
-        self.space.seen = self.space.keys(points);
     }
 
     /// *Train* on photons. `emitted` is how many photons the lights sent out to yield this batch.

@@ -3,6 +3,7 @@
 //! Batches double: early ones are cheap and shape the trees coarsely, later ones fill them.
 
 use super::guiding::Guide;
+use super::importance;
 use super::record::{Lessons, Records};
 use super::render::View;
 use super::vertex::Walk;
@@ -52,6 +53,8 @@ pub struct Learned {
     pub guide: Guide,
     /// What became of the photons.
     pub counts: PhotonCounts,
+    /// The trees with their sums: what learning further and keeping the field take.
+    pub trainer: Trainer,
     /// The trees in numbers.
     pub stats: Stats,
     /// Wall-clock time.
@@ -66,6 +69,9 @@ pub struct Learned {
 pub fn learn(view: &View, settings: &LearnSettings) -> Result<Learned, GuideError> {
     let start = Instant::now();
     let mut trainer = prepare(view.scene, settings)?;
+    if settings.photons > 0 {
+        trainer.set_importance_sample(&importance::met_by_camera(view), importance::PER_CELL);
+    }
     let mut counts = PhotonCounts::default();
     let photons = batches(settings.photons, settings.batches);
     let paths = batches(settings.paths, settings.batches);
@@ -97,6 +103,7 @@ pub fn learn(view: &View, settings: &LearnSettings) -> Result<Learned, GuideErro
     Ok(Learned {
         guide,
         counts,
+        trainer,
         stats,
         elapsed: start.elapsed(),
     })
@@ -134,7 +141,7 @@ fn prepare(scene: &Scene, settings: &LearnSettings) -> Result<Trainer, GuideErro
 
 /// Traces camera paths, in waves side by side whose lessons are joined in order. Path `i` of a film of
 /// n pixels looks through a pixel of its own, so that a long enough run covers the film evenly.
-fn lessons(view: &View, guide: Option<&Guide>, range: Range<u64>) -> Lessons {
+pub(super) fn lessons(view: &View, guide: Option<&Guide>, range: Range<u64>) -> Lessons {
     let starts: Vec<u64> = range.clone().step_by(WAVE_PATHS as usize).collect();
     let walk = Walk {
         guide,
@@ -186,7 +193,7 @@ fn batches(photons: u64, count: u32) -> Vec<Range<u64>> {
 }
 
 /// Traces a batch, in waves side by side whose landings are joined in photon order.
-fn trace_batch(
+pub(super) fn trace_batch(
     scene: &Scene,
     settings: &LearnSettings,
     range: Range<u64>,

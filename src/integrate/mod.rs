@@ -9,7 +9,9 @@
 //! Each sample's numbers come from `(seed, pixel, sample)` alone and each pixel's sum is taken in sample
 //! order, so neither the tiles nor the threads can change a bit of the image.
 
+pub mod extend;
 pub mod guiding;
+pub mod importance;
 pub mod learn;
 pub mod probe;
 pub mod record;
