@@ -5,6 +5,7 @@
 //! | 0 | done |
 //! | 1 | the machine refused: an output cannot be written, memory ran out, an internal error; an image passes a limit |
 //! | 2 | the command line or the scene is wrong; nothing was rendered |
+//! | 75 | interrupted, with a checkpoint written: the same command with `--resume` goes on |
 //! | 130 | interrupted; an image that had begun was written |
 
 use crate::accel::AccelError;
@@ -17,6 +18,8 @@ use crate::scene::import::ImportError;
 pub const FAILED: u8 = 1;
 /// Exit code when the command line or the scene is wrong.
 pub const WRONG: u8 = 2;
+/// Exit code after an interrupt with a checkpoint: BSD's EX_TEMPFAIL, "try again", which queues know.
+pub const CHECKPOINTED: u8 = 75;
 /// Exit code after Ctrl-C or SIGTERM: 128 and the number of SIGINT, as shells have it.
 pub const INTERRUPTED: u8 = 130;
 
@@ -31,6 +34,8 @@ pub enum Failure {
     Passed(String),
     /// The user asked for it; all is said already.
     Interrupted,
+    /// The same, and a checkpoint keeps the work.
+    Checkpointed,
 }
 
 impl Failure {
@@ -48,7 +53,7 @@ impl Failure {
     pub fn text(&self) -> Option<String> {
         match self {
             Self::Wrong(text) | Self::Refused(text) | Self::Passed(text) => Some(text.clone()),
-            Self::Interrupted => None,
+            Self::Interrupted | Self::Checkpointed => None,
         }
     }
 
@@ -58,6 +63,7 @@ impl Failure {
             Self::Wrong(_) => WRONG,
             Self::Refused(_) | Self::Passed(_) => FAILED,
             Self::Interrupted => INTERRUPTED,
+            Self::Checkpointed => CHECKPOINTED,
         }
     }
 }

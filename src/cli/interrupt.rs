@@ -1,12 +1,14 @@
-//! Ctrl-C and SIGTERM. While rendering, the first asks for an end after the tiles in flight, so that the
-//! image so far is written; the second quits at once. Before and after there is nothing to save, and the
-//! first quits.
+//! Signals. While rendering, the first Ctrl-C (or SIGTERM, or SIGHUP) asks for an end after the tiles in
+//! flight, so that what was rendered is kept; the second quits at once. Before and after there is nothing
+//! to save, and the first quits. SIGUSR1, where a checkpoint is wanted, asks for one and for no end.
 
 use super::failure::{Failure, INTERRUPTED};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1};
+use signal_hook::iterator::Signals;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Whether the user asked for an end.
+/// What the user asked for by signals.
 #[derive(Clone, Debug, Default)]
 pub struct Interrupt {
     state: Arc<State>,
@@ -17,25 +19,26 @@ struct State {
     /// There is something to save.
     patient: AtomicBool,
     requested: AtomicBool,
+    save: AtomicBool,
 }
 
 impl Interrupt {
-    /// Starts to listen.
+    /// Starts to listen; to SIGUSR1 only where `saves`, for elsewhere it is nobody's business.
     ///
     /// # Errors
     /// When the system refuses a signal handler.
-    pub fn listen() -> Result<Self, Failure> {
+    pub fn listen(saves: bool) -> Result<Self, Failure> {
+        let refused = |e| Failure::Refused(format!("signals cannot be handled: {e}"));
+        let mut signals = Signals::new([SIGINT, SIGTERM, SIGHUP]).map_err(refused)?;
+        if saves {
+            signals.add_signal(SIGUSR1).map_err(refused)?;
+        }
         let interrupt = Self::default();
         let state = interrupt.state.clone();
-        let handler = move || {
-            let again = state.requested.swap(true, Ordering::SeqCst);
-            if again || !state.patient.load(Ordering::SeqCst) {
-                std::process::exit(i32::from(INTERRUPTED));
-            }
-            tracing::info!("stopping: the image so far will be written (again to quit at once)");
-        };
-        ctrlc::set_handler(handler)
-            .map_err(|e| Failure::Refused(format!("signals cannot be handled: {e}")))?;
+        std::thread::Builder::new()
+            .name("signals".into())
+            .spawn(move || signals.forever().for_each(|signal| state.hear(signal)))
+            .map_err(refused)?;
         Ok(interrupt)
     }
 
@@ -48,5 +51,30 @@ impl Interrupt {
     #[inline]
     pub fn requested(&self) -> bool {
         self.state.requested.load(Ordering::Relaxed)
+    }
+
+    /// Whether a checkpoint was asked for.
+    #[inline]
+    pub fn save_requested(&self) -> bool {
+        self.state.save.load(Ordering::Relaxed)
+    }
+
+    /// The checkpoint that was asked for is written.
+    pub fn saved(&self) {
+        self.state.save.store(false, Ordering::Relaxed);
+    }
+}
+
+impl State {
+    fn hear(&self, signal: i32) {
+        if signal == SIGUSR1 {
+            self.save.store(true, Ordering::Relaxed);
+            return;
+        }
+        let again = self.requested.swap(true, Ordering::SeqCst);
+        if again || !self.patient.load(Ordering::SeqCst) {
+            std::process::exit(i32::from(INTERRUPTED));
+        }
+        tracing::info!("stopping: what is rendered so far will be kept (again to quit at once)");
     }
 }

@@ -7,15 +7,19 @@
 pub mod args;
 pub mod bench;
 pub mod check;
+pub mod checkpoint;
 pub mod compare;
 pub mod console;
 pub mod failure;
+pub mod finish;
 pub mod generate;
+pub mod identity;
 pub mod info;
 pub mod interrupt;
 pub mod load;
 pub mod measure_args;
 pub mod memory;
+pub mod merge;
 pub mod output;
 pub mod overrides;
 pub mod preview;
@@ -39,6 +43,7 @@ impl Cli {
         threads::start(self.threads)?;
         match &self.command {
             Command::Render(args) => render::run(args, &console),
+            Command::Merge(args) => merge::run(args),
             Command::Info(args) => info::run(args),
             Command::Check(args) => check::run(args),
             Command::Compare(args) => compare::run(args),

@@ -1,9 +1,10 @@
 //! The files that a render writes: tried before the work, written after it.
 
 use super::Failure;
-use super::args::{Aov, FileArgs, NumberFormat, Packing};
-use crate::film::Film;
+use super::args::{self, Aov, FileArgs, NumberFormat};
 use crate::film::layers::{Layers, Metadata};
+use crate::film::part::{self, Packing, PartReader, Record};
+use crate::film::{Film, Shard};
 use crate::image::{self, Compression, Format, Image, PixelType, WriteOptions, atomic};
 use std::path::{Path, PathBuf};
 
@@ -16,15 +17,19 @@ pub struct Outputs {
 
 impl Outputs {
     /// Decides the names and tries every one of them: a render of an hour must not end at a typing error.
+    /// A shard has one output, its part.
     ///
     /// # Errors
     /// When a name has no known format, or its directory cannot be written.
-    pub fn plan(args: &FileArgs, scene: &Path) -> Result<Self, Failure> {
+    pub fn plan(args: &FileArgs, scene: &Path, shard: Option<Shard>) -> Result<Self, Failure> {
         let images = if args.output.is_empty() {
-            vec![default_name(scene)?]
+            vec![default_name(scene, shard)?]
         } else {
             args.output.clone()
         };
+        if shard.is_some() {
+            check_part(&images)?;
+        }
         for path in &images {
             Format::of(path)?;
             check_compiled(path)?;
@@ -38,11 +43,38 @@ impl Outputs {
         })
     }
 
-    /// The first image's name, for viewers.
-    pub fn title(&self) -> String {
-        self.images
-            .first()
-            .map_or_else(String::new, |p| p.display().to_string())
+    /// The first image, after which viewers and checkpoints are called.
+    pub fn first(&self) -> &Path {
+        self.images.first().map_or(Path::new(""), |p| p)
+    }
+
+    /// Whether the shard's part is there already: the very one that `record` is about. A job that a
+    /// queue starts once more ends here.
+    pub fn has_part(&self, ours: &Record) -> bool {
+        let Ok(part) = PartReader::open(self.first()) else {
+            return false;
+        };
+        let theirs = part.record();
+        let same = (ours.shard, ours.goal, ours.region)
+            == (theirs.shard, theirs.goal, theirs.region)
+            && ours.identity == theirs.identity;
+        if same {
+            let name = self.first().display();
+            tracing::info!("{name} is there already, shard {}", ours.shard);
+        }
+        same
+    }
+
+    /// Writes the part that a shard is.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn write_part(&self, record: &Record, film: &Film) -> Result<(), Failure> {
+        let path = self.first();
+        part::write(path, record, film, Packing::Small)
+            .map_err(|e| Failure::Refused(e.to_string()))?;
+        tracing::info!("wrote {}, shard {}", path.display(), record.shard);
+        Ok(())
     }
 
     /// Writes all images, and goes on with the others where one fails.
@@ -52,27 +84,27 @@ impl Outputs {
     pub fn write_images(
         &self,
         film: &Film,
-        args: &FileArgs,
+        asked: &FileArgs,
         exposure: f32,
         metadata: &Metadata,
     ) -> Result<(), Failure> {
-        let picture = film.image(layers_of(&args.aov), metadata);
+        let picture = film.image(layers_of(&asked.aov), metadata);
         let options = WriteOptions {
             pixel_type: None,
-            compression: match args.compression {
-                Packing::None => Compression::None,
-                Packing::Zip => Compression::Zip,
-                Packing::Piz => Compression::Piz,
-                Packing::Dwaa => Compression::Dwaa,
+            compression: match asked.compression {
+                args::Packing::None => Compression::None,
+                args::Packing::Zip => Compression::Zip,
+                args::Packing::Piz => Compression::Piz,
+                args::Packing::Dwaa => Compression::Dwaa,
             },
-            tiled: args.tiled,
+            tiled: asked.tiled,
             exposure,
         };
         let mut failures = Vec::new();
         for path in &self.images {
             let mut options = options.clone();
             if Format::of(path) == Ok(Format::Exr) {
-                options.pixel_type = Some(match args.format {
+                options.pixel_type = Some(match asked.format {
                     NumberFormat::Half => PixelType::Half,
                     NumberFormat::Float => PixelType::Float,
                 });
@@ -124,8 +156,8 @@ fn rescue(path: &Path, picture: &Image, options: &WriteOptions) -> Option<PathBu
     image::write(&kept, picture, options).ok().map(|()| kept)
 }
 
-/// The scene's name with `.exr`, in the current directory.
-fn default_name(scene: &Path) -> Result<PathBuf, Failure> {
+/// The scene's name with `.exr`, in the current directory; the shard's number before that.
+fn default_name(scene: &Path, shard: Option<Shard>) -> Result<PathBuf, Failure> {
     let stem = scene.file_stem().ok_or_else(|| {
         let help = "name a scene file such as scene.xml";
         Failure::wrong(
@@ -134,8 +166,22 @@ fn default_name(scene: &Path) -> Result<PathBuf, Failure> {
         )
     })?;
     let mut name = stem.to_owned();
+    if let Some(Shard { index, count }) = shard {
+        name.push(format!(".{index}-of-{count}"));
+    }
     name.push(".exr");
     Ok(name.into())
+}
+
+/// A shard is written into one file, which is no picture yet.
+fn check_part(outputs: &[PathBuf]) -> Result<(), Failure> {
+    match outputs {
+        [one] if Format::of(one) == Ok(Format::Exr) => Ok(()),
+        _ => Err(Failure::wrong(
+            "a shard is written into one .exr file",
+            "give one -o, and name the images when you merge",
+        )),
+    }
 }
 
 /// Without OpenImageIO only EXR can be written.

@@ -25,7 +25,7 @@ pub fn apply_to_film(args: &RenderArgs, description: &mut Description) -> Result
     if let Some(exposure) = args.files.exposure {
         film.exposure = exposure;
     }
-    check_memory(film)
+    check_memory(film.crop.unwrap_or([0, 0, film.width, film.height]))
 }
 
 /// Sets the size; one side alone keeps the proportions. The scene's own crop grows with the film.
@@ -77,8 +77,10 @@ fn crop(film: &mut FilmDescription, args: &PictureArgs) -> Result<(), Failure> {
 
 /// A film that does not fit would not fail when it is made: the system would end the program later,
 /// without a word.
-fn check_memory(film: &FilmDescription) -> Result<(), Failure> {
-    let [x0, y0, x1, y1] = film.crop.unwrap_or([0, 0, film.width, film.height]);
+///
+/// # Errors
+/// When the film of the region x0, y0, x1, y1 does not fit into the memory that is free.
+pub fn check_memory([x0, y0, x1, y1]: [u32; 4]) -> Result<(), Failure> {
     let pixels = u64::from(x1 - x0) * u64::from(y1 - y0);
     let needed = pixels * std::mem::size_of::<Pixel>() as u64;
     match memory::available_bytes() {

@@ -1,10 +1,11 @@
 //! How far a render is: a bar on a terminal, lines elsewhere.
 
+use super::checkpoint::Checkpoint;
 use super::console::Console;
 use super::interrupt::Interrupt;
 use super::preview::Tev;
 use crate::film::Film;
-use crate::integrate::render::{Limits, Observer, Progress};
+use crate::integrate::render::{Limits, Observer, Progress, Spent};
 use crate::report::words;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::sync::Mutex;
@@ -23,6 +24,9 @@ const LONGEST_SILENCE: Duration = Duration::from_secs(10);
 /// Watches a render for the person who waits.
 pub struct Watch<'a> {
     interrupt: &'a Interrupt,
+    checkpoint: Option<&'a Checkpoint>,
+    /// Time and samples of earlier goes.
+    before: (Duration, u64),
     limits: Limits,
     pixels: u64,
     start: Instant,
@@ -46,13 +50,15 @@ struct Shown {
 }
 
 impl<'a> Watch<'a> {
-    /// Starts watching a render of `film`.
+    /// Starts watching a render of `film`, which may go on from a checkpoint: `before` is the time it
+    /// has taken already.
     pub fn start(
         interrupt: &'a Interrupt,
         console: &Console,
         limits: Limits,
         film: &Film,
         preview: Option<Tev>,
+        (checkpoint, before): (Option<&'a Checkpoint>, Duration),
     ) -> Self {
         let display = match (console.shows_progress(), console.has_terminal()) {
             (false, _) => Display::Nothing,
@@ -62,10 +68,12 @@ impl<'a> Watch<'a> {
         let start = Instant::now();
         Self {
             interrupt,
+            checkpoint,
+            before: (before, film.samples_done()),
             limits,
-            pixels: u64::from(film.width()) * u64::from(film.height()),
+            pixels: film.held_pixels().max(1),
             start,
-            samples: AtomicU64::new(0),
+            samples: AtomicU64::new(film.samples_done()),
             display,
             shown: Mutex::new(Shown {
                 at: start,
@@ -110,7 +118,7 @@ impl<'a> Watch<'a> {
             return;
         }
         let samples = self.samples.load(Ordering::Relaxed);
-        let elapsed = self.start.elapsed();
+        let elapsed = self.before.0 + self.start.elapsed();
         let fraction = fraction_done(&self.limits, self.pixels, samples, elapsed, shown.noise);
         let tenths = (fraction * 10.0) as u64;
         let text = self.sentence(samples, elapsed, fraction, shown.noise);
@@ -134,11 +142,12 @@ impl<'a> Watch<'a> {
         noise: Option<f32>,
     ) -> String {
         let seconds = elapsed.as_secs_f64();
+        let rate = (samples - self.before.1) as f64 / self.start.elapsed().as_secs_f64();
         let mut text = format!("{:.1}", samples as f64 / self.pixels as f64);
         if self.limits.spp < u64::MAX {
             text += &format!("/{}", self.limits.spp);
         }
-        text += &format!(" spp  {} samples/s", words::count(samples as f64 / seconds));
+        text += &format!(" spp  {} samples/s", words::count(rate));
         if let Some(noise) = noise {
             text += &format!("  noise {noise:.4}");
         }
@@ -166,6 +175,22 @@ impl Observer for Watch<'_> {
 
     fn should_stop(&self) -> bool {
         self.interrupt.requested()
+    }
+
+    fn should_pause(&self) -> bool {
+        self.checkpoint
+            .is_some_and(|c| self.interrupt.save_requested() || c.is_due())
+    }
+
+    fn paused(&self, spent: &Spent, film: &Film) {
+        let Some(checkpoint) = self.checkpoint else {
+            return;
+        };
+        // An older checkpoint is still there, and the next may fare better: no reason to stop.
+        if let Err(e) = checkpoint.save(spent, film) {
+            tracing::warn!("no checkpoint: {e}; rendering goes on");
+        }
+        self.interrupt.saved();
     }
 }
 

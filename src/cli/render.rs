@@ -1,22 +1,23 @@
 //! `twintree render`: from a scene file to an image file.
 
 use super::args::{Accel, RenderArgs};
+use super::checkpoint::Checkpoint;
 use super::console::Console;
+use super::finish::Done;
+use super::identity::{self, Subject};
 use super::interrupt::Interrupt;
 use super::load::{self, Loaded};
 use super::output::Outputs;
 use super::preview::Tev;
 use super::progress::Watch;
 use super::values::Preview;
-use super::{Failure, memory, overrides, threads};
+use super::{Failure, overrides, threads};
 use crate::accel::{Backend, BuildSettings};
 use crate::camera::Camera;
 use crate::film::Film;
-use crate::film::layers::Metadata;
-use crate::integrate::PathSettings;
 use crate::integrate::guiding::Guide;
 use crate::integrate::learn::learn;
-use crate::integrate::render::{StoppedBy, Summary, View, render};
+use crate::integrate::render::{Limits, Spent, StoppedBy, Summary, View, resume};
 use crate::report::scene::triangles;
 use crate::report::stats::Stats;
 use crate::report::words;
@@ -29,15 +30,15 @@ struct Times {
     load: f64,
     build: f64,
     train: f64,
-    write: f64,
 }
 
-/// What is rendered, and how.
+/// What is rendered, from where on, and until when.
 struct Setting<'a> {
-    scene: &'a Scene,
-    loaded: &'a Loaded,
-    path: &'a PathSettings,
-    guide: Option<&'a Guide>,
+    view: View<'a>,
+    limits: Limits,
+    checkpoint: Option<&'a Checkpoint>,
+    /// What earlier goes have cost.
+    before: Spent,
 }
 
 /// Renders and writes.
@@ -45,9 +46,90 @@ struct Setting<'a> {
 /// # Errors
 /// When the scene cannot be used or an image cannot be written; after an interrupt, with all written.
 pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
-    let interrupt = Interrupt::listen()?;
-    let outputs = Outputs::plan(&args.files, &args.scene.scene)?;
+    let interrupt = Interrupt::listen(args.parts.saves())?;
+    let outputs = Outputs::plan(&args.files, &args.scene.scene, args.parts.shard)?;
     let mut times = Times::default();
+    let (mut loaded, triangles) = read(args, &mut times)?;
+    let fingerprint = match args.parts.wanted() {
+        true => Some(loaded.fingerprint()?),
+        false => None,
+    };
+    let scene = timed(&mut times.build, || build(args, &mut loaded))?;
+    let description = &loaded.description;
+    let (width, height) = (description.film.width, description.film.height);
+    let settings = overrides::path_settings(&args.light, &description.render);
+    let limits = overrides::limits(&args.stop, &description.render);
+    let camera = Camera::new(&description.camera, width, height);
+    let plain = View {
+        scene: &scene,
+        camera: &camera,
+        film: &description.film,
+        settings: &settings,
+        guide: None,
+    };
+    let record = fingerprint.map(|scene| {
+        let subject = Subject::new(&plain, scene, triangles);
+        identity::record(args, &subject, &limits)
+    });
+    let mut film = identity::film(args, &description.film)?;
+    let checkpoint = Checkpoint::wanted(&args.parts, outputs.first(), record.as_ref());
+    let Some(before) = go_on(args, &outputs, checkpoint.as_ref(), &mut film)? else {
+        return Ok(());
+    };
+    let guide = timed(&mut times.train, || train(args, &plain))?;
+    let setting = Setting {
+        view: View {
+            guide: guide.as_ref(),
+            ..plain
+        },
+        limits,
+        checkpoint: checkpoint.as_ref(),
+        before,
+    };
+    let summary = trace(args, console, &interrupt, &outputs, &setting, &mut film);
+    let mut stats = measure(args, &scene, &loaded, &film, &summary);
+    (stats.triangles, stats.load_seconds) = (triangles, times.load);
+    (stats.build_seconds, stats.train_seconds) = (times.build, times.train);
+    stats.field_memory_bytes = guide.as_ref().map_or(0, |g| g.field.bytes());
+    tracing::info!("{}", stats.sentence());
+    warn_of_invalid_samples(&film);
+    let done = Done {
+        args,
+        outputs: &outputs,
+        checkpoint: checkpoint.as_ref(),
+        record,
+        exposure: description.film.exposure,
+    };
+    done.write(&film, &summary, &mut stats)
+}
+
+/// Fills the film from the checkpoint, if that is wanted, and says what it has cost so far; `None` if
+/// there is nothing left to do.
+fn go_on(
+    args: &RenderArgs,
+    outputs: &Outputs,
+    checkpoint: Option<&Checkpoint>,
+    film: &mut Film,
+) -> Result<Option<Spent>, Failure> {
+    let Some(checkpoint) = checkpoint.filter(|_| args.parts.resume) else {
+        return Ok(Some(Spent::default()));
+    };
+    if outputs.has_part(checkpoint.record()) {
+        checkpoint.remove();
+        return Ok(None);
+    }
+    Ok(Some(checkpoint.load(film)?.unwrap_or_default()))
+}
+
+fn timed<T>(seconds: &mut f64, work: impl FnOnce() -> T) -> T {
+    let start = Instant::now();
+    let result = work();
+    *seconds = start.elapsed().as_secs_f64();
+    result
+}
+
+/// Reads the scene, with what the command line changes about it; how many triangles it has.
+fn read(args: &RenderArgs, times: &mut Times) -> Result<(Loaded, u64), Failure> {
     let mut loaded = timed(&mut times.load, || load::load(&args.scene))?;
     overrides::apply_to_film(args, &mut loaded.description)?;
     let triangles = triangles(&loaded.description);
@@ -58,68 +140,11 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
         words::count(triangles as f64),
         words::time(times.load)
     );
-    let scene = timed(&mut times.build, || build(args, &mut loaded))?;
-    tracing::debug!(
-        "{} holds {}, built in {}",
-        scene.rays.name(),
-        words::bytes(scene.rays.memory_bytes() as u64),
-        words::time(times.build)
-    );
-    let mut film = Film::new(&loaded.description.film);
-    let settings = overrides::path_settings(&args.light, &loaded.description.render);
-    let camera = Camera::new(
-        &loaded.description.camera,
-        loaded.description.film.width,
-        loaded.description.film.height,
-    );
-    let plain = View {
-        scene: &scene,
-        camera: &camera,
-        film: &loaded.description.film,
-        settings: &settings,
-        guide: None,
-    };
-    let guide = timed(&mut times.train, || train(args, &plain))?;
-    let view = Setting {
-        scene: &scene,
-        loaded: &loaded,
-        path: &settings,
-        guide: guide.as_ref(),
-    };
-    let summary = trace(args, console, &interrupt, &outputs, &view, &mut film);
-    let mut stats = measure(args, &scene, &loaded, &film, &summary);
-    (stats.triangles, stats.load_seconds, stats.build_seconds) =
-        (triangles, times.load, times.build);
-    (stats.train_seconds, stats.field_memory_bytes) =
-        (times.train, guide.as_ref().map_or(0, |g| g.field.bytes()));
-    tracing::info!("{}", stats.sentence());
-    warn_of_invalid_samples(&film);
-    if summary.samples == 0 {
-        tracing::warn!("no sample was finished: nothing is written");
-        return Err(Failure::Interrupted);
-    }
-    let written = timed(&mut times.write, || {
-        let exposure = loaded.description.film.exposure;
-        outputs.write_images(&film, &args.files, exposure, &metadata(args, &stats))
-    });
-    stats.write_seconds = times.write;
-    stats.peak_memory_bytes = memory::peak_bytes();
-    outputs.write_stats(&stats.to_json())?;
-    written?;
-    match summary.stopped_by {
-        StoppedBy::Interrupt => Err(Failure::Interrupted),
-        _ => Ok(()),
-    }
-}
-
-fn timed<T>(seconds: &mut f64, work: impl FnOnce() -> T) -> T {
-    let start = Instant::now();
-    let result = work();
-    *seconds = start.elapsed().as_secs_f64();
-    result
+    Ok((loaded, triangles))
 }
 
 fn build(args: &RenderArgs, loaded: &mut Loaded) -> Result<Scene, Failure> {
+    let start = Instant::now();
     let backend = match args.accel {
         None => Backend::default(),
         Some(Accel::Embree) => Backend::Embree,
@@ -129,7 +154,14 @@ fn build(args: &RenderArgs, loaded: &mut Loaded) -> Result<Scene, Failure> {
         threads: threads::count(),
         ..BuildSettings::default()
     };
-    Ok(Scene::build(&mut loaded.description, settings, backend)?)
+    let scene = Scene::build(&mut loaded.description, settings, backend)?;
+    tracing::debug!(
+        "{} holds {}, built in {}",
+        scene.rays.name(),
+        words::bytes(scene.rays.memory_bytes() as u64),
+        words::time(start.elapsed().as_secs_f64())
+    );
+    Ok(scene)
 }
 
 /// Learns the field, if one is wanted, and says what came of it.
@@ -168,15 +200,10 @@ fn trace(
     setting: &Setting,
     film: &mut Film,
 ) -> Summary {
-    let description = &setting.loaded.description;
-    let camera = Camera::new(
-        &description.camera,
-        description.film.width,
-        description.film.height,
-    );
-    let limits = overrides::limits(&args.stop, &description.render);
     let preview = match &args.preview {
-        Some(Preview::Tev(address)) => Tev::connect(address, &outputs.title(), film),
+        Some(Preview::Tev(address)) => {
+            Tev::connect(address, &outputs.first().display().to_string(), film)
+        }
         None => None,
     };
     tracing::info!(
@@ -185,16 +212,11 @@ fn trace(
         film.height(),
         threads::count()
     );
-    let watch = Watch::start(interrupt, console, limits, film, preview);
+    let limits = setting.limits;
+    let goes = (setting.checkpoint, setting.before.time);
+    let watch = Watch::start(interrupt, console, limits, film, preview, goes);
     interrupt.be_patient();
-    let view = View {
-        scene: setting.scene,
-        camera: &camera,
-        film: &description.film,
-        settings: setting.path,
-        guide: setting.guide,
-    };
-    let summary = render(&view, film, &limits, &watch);
+    let summary = resume(&setting.view, film, &limits, setting.before, &watch);
     watch.finish(film);
     summary
 }
@@ -251,16 +273,4 @@ fn warn_of_invalid_samples(film: &Film) {
         "{} samples were not finite and were left out; the first is sample {sample} of pixel {x},{y}",
         film.invalid_samples()
     );
-}
-
-/// What a file says about how it was made.
-fn metadata(args: &RenderArgs, stats: &Stats) -> Metadata {
-    let words = std::env::args_os().skip(1);
-    let words: Vec<_> = words.map(|w| w.to_string_lossy().into_owned()).collect();
-    Metadata {
-        scene: args.scene.scene.display().to_string(),
-        settings: words.join(" "),
-        spp: stats.spp,
-        seconds: stats.render_seconds,
-    }
 }

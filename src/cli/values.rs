@@ -1,6 +1,7 @@
 //! Words of the command line that have a grammar of their own. Each parser's error is the sentence that
 //! clap prints after `invalid value '...' for '...':`.
 
+use crate::film::Shard;
 use std::str::FromStr;
 use std::time::Duration;
 
@@ -69,6 +70,26 @@ impl FromStr for Definition {
             _ => Err("expected key=value such as -D spp=256".into()),
         }
     }
+}
+
+/// A share of the film, `i/n` with `i` counted from 0.
+///
+/// # Errors
+/// When it is not one.
+pub fn shard(text: &str) -> Result<Shard, String> {
+    let numbers = text
+        .split_once('/')
+        .map(|(i, n)| (i.parse::<u32>(), n.parse::<u32>()));
+    let Some((Ok(index), Ok(count))) = numbers else {
+        return Err("expected i/n such as 0/4, the first of four".into());
+    };
+    if index >= count {
+        return Err(format!(
+            "shards are counted from 0: the last of {count} is {}/{count}",
+            count.saturating_sub(1)
+        ));
+    }
+    Ok(Shard { index, count })
 }
 
 /// Where to show the image while it renders.

@@ -36,17 +36,21 @@ pub struct FilmDescription {
 
 pub mod layers;
 mod noise;
+pub mod part;
+pub mod shard;
 #[cfg(test)]
 mod tests;
 pub mod tile;
 
 pub use layers::{Layers, Metadata};
+pub use shard::Shard;
 pub use tile::{Pixel, Sample, TILE_SIZE, Tile};
 
 /// Sums of samples, stored in tiles.
 ///
 /// A tile is rendered by one task at a time and a pixel's samples are added in their order, so the
-/// sums depend neither on threads nor on how samples were cut into passes.
+/// sums depend neither on threads nor on how samples were cut into passes. A film may hold some of its
+/// tiles only, a [`Shard`] of them: a tile that is not held has no pixels, and looks black.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
     /// x0, y0, x1, y1 on the full film.
@@ -54,22 +58,39 @@ pub struct Film {
     tiles: Vec<Tile>,
 }
 
+/// What a pixel of a tile that is not held looks like.
+static UNTOUCHED: Pixel = Pixel::EMPTY;
+
 impl Film {
     /// An empty film of the size (or crop) asked for.
     pub fn new(description: &FilmDescription) -> Self {
+        Self::shard(description, Shard::ALL)
+    }
+
+    /// An empty film that holds the tiles of `shard`.
+    pub fn shard(description: &FilmDescription, shard: Shard) -> Self {
         let full = [0, 0, description.width, description.height];
-        let region = description.crop.unwrap_or(full);
+        let mut film = Self::vacant(description.crop.unwrap_or(full));
+        for i in shard.tiles(film.tiles.len()) {
+            let tile = &mut film.tiles[i];
+            tile.pixels = vec![Pixel::default(); tile.area()];
+        }
+        film
+    }
+
+    /// A film of the region x0, y0, x1, y1 that holds no tile yet.
+    pub fn vacant(region: [u32; 4]) -> Self {
         let [x0, y0, x1, y1] = region;
         let mut tiles = Vec::new();
         for y in (y0..y1).step_by(TILE_SIZE as usize) {
             for x in (x0..x1).step_by(TILE_SIZE as usize) {
-                let (width, height) = ((x1 - x).min(TILE_SIZE), (y1 - y).min(TILE_SIZE));
                 tiles.push(Tile {
                     x0: x,
                     y0: y,
-                    width,
-                    height,
-                    pixels: vec![Pixel::default(); (width * height) as usize],
+                    width: (x1 - x).min(TILE_SIZE),
+                    height: (y1 - y).min(TILE_SIZE),
+                    pixels: Vec::new(),
+                    done: 0,
                     invalid: 0,
                     first_invalid: None,
                 });
@@ -103,11 +124,32 @@ impl Film {
         &mut self.tiles
     }
 
+    /// The tiles that the film holds.
+    pub fn held(&self) -> impl Iterator<Item = &Tile> {
+        self.tiles.iter().filter(|t| t.is_held())
+    }
+
+    /// Pixels of the tiles that the film holds.
+    pub fn held_pixels(&self) -> u64 {
+        self.held().map(|t| t.area() as u64).sum()
+    }
+
+    /// Samples that every pixel of the tiles held has taken.
+    pub fn spp_done(&self) -> u64 {
+        self.held().map(|t| t.done).min().unwrap_or(0)
+    }
+
+    /// Samples taken over the whole film, those dropped included.
+    pub fn samples_done(&self) -> u64 {
+        self.held().map(|t| t.done * t.area() as u64).sum()
+    }
+
     /// The pixel at `(x, y)` of the region.
     pub fn pixel(&self, x: u32, y: u32) -> &Pixel {
         let across = self.width().div_ceil(TILE_SIZE);
         let tile = &self.tiles[(y / TILE_SIZE * across + x / TILE_SIZE) as usize];
-        &tile.pixels[(y % TILE_SIZE * tile.width + x % TILE_SIZE) as usize]
+        let at = (y % TILE_SIZE * tile.width + x % TILE_SIZE) as usize;
+        tile.pixels.get(at).unwrap_or(&UNTOUCHED)
     }
 
     /// All pixels, tile by tile.

@@ -42,6 +42,18 @@ pub struct Pixel {
 }
 
 impl Pixel {
+    /// A pixel without samples.
+    pub const EMPTY: Pixel = Pixel {
+        radiance: [0.0; 3],
+        squares: [0.0; 3],
+        weight: 0.0,
+        count: 0,
+        albedo: [0.0; 3],
+        normal: [0.0; 3],
+        depth: 0.0,
+        met: 0,
+    };
+
     /// Adds a finite sample.
     #[inline]
     pub fn add(&mut self, s: &Sample) {
@@ -96,8 +108,10 @@ pub struct Tile {
     pub width: u32,
     /// Height, at most [`TILE_SIZE`].
     pub height: u32,
-    /// Row by row.
+    /// Row by row; empty in a film that does not hold the tile.
     pub pixels: Vec<Pixel>,
+    /// Every pixel has taken the samples from 0 up to this number, those dropped included.
+    pub done: u64,
     /// Samples dropped because they were not finite.
     pub invalid: u64,
     /// The first of them: x, y, sample.
@@ -105,6 +119,16 @@ pub struct Tile {
 }
 
 impl Tile {
+    /// Number of pixels, held or not.
+    pub fn area(&self) -> usize {
+        (self.width * self.height) as usize
+    }
+
+    /// Whether the film holds the tile's pixels.
+    pub fn is_held(&self) -> bool {
+        !self.pixels.is_empty()
+    }
+
     /// Adds sample number `index` of the tile's pixel `i`. One that is not finite is dropped and counted.
     #[inline]
     pub fn add(&mut self, i: usize, index: u64, sample: &Sample) {

@@ -7,7 +7,8 @@
 use super::ImageError;
 use std::fs::File;
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use tempfile::TempPath;
 
 /// Calls `fill` with the name of an empty file beside `target` (and with its extension), then puts
 /// that file in the place of `target`. The error of `fill`, or of the disk, names `target`.
@@ -16,6 +17,22 @@ pub fn replace(
     fill: impl FnOnce(&Path) -> Result<(), String>,
 ) -> Result<(), ImageError> {
     let error = |what: &str, e: std::io::Error| ImageError::new(target, format!("{what}: {e}"));
+    let directory = directory_of(target)?;
+    let suffix = target
+        .extension()
+        .map(|e| format!(".{}", e.to_string_lossy()))
+        .unwrap_or_default();
+    let new = tempfile::Builder::new()
+        .prefix(".twintree-")
+        .suffix(&suffix)
+        .tempfile_in(directory)
+        .map_err(|e| error("cannot be written", e))?
+        .into_temp_path();
+    put(target, directory, new, fill)
+}
+
+/// The directory of a file, which must be there.
+fn directory_of(target: &Path) -> Result<&Path, ImageError> {
     let directory = match target.parent() {
         Some(d) if !d.as_os_str().is_empty() => d,
         _ => Path::new("."),
@@ -29,16 +46,45 @@ pub fn replace(
             ),
         ));
     }
-    let suffix = target
-        .extension()
-        .map(|e| format!(".{}", e.to_string_lossy()))
-        .unwrap_or_default();
-    let new = tempfile::Builder::new()
-        .prefix(".twintree-")
-        .suffix(&suffix)
-        .tempfile_in(directory)
-        .map_err(|e| error("cannot be written", e))?
-        .into_temp_path();
+    Ok(directory)
+}
+
+/// As [`replace`], for a file that is written again and again by a program that may be killed at it: the
+/// new content goes to `<target>.new`, so that a killed writer leaves one file, which the next one
+/// takes over. Two programs must not write the same target at once.
+pub fn replace_again(
+    target: &Path,
+    fill: impl FnOnce(&Path) -> Result<(), String>,
+) -> Result<(), ImageError> {
+    let directory = directory_of(target)?;
+    let new = unfinished(target);
+    let error = |e: std::io::Error| ImageError::new(target, format!("cannot be written: {e}"));
+    // Not followed if it is a link, and empty whatever a killed writer left.
+    let _ = std::fs::remove_file(&new);
+    File::options()
+        .write(true)
+        .create_new(true)
+        .open(&new)
+        .map_err(error)?;
+    let new = TempPath::try_from_path(new).map_err(error)?;
+    put(target, directory, new, fill)
+}
+
+/// Where [`replace_again`] writes before it replaces.
+pub fn unfinished(target: &Path) -> PathBuf {
+    let mut name = target.as_os_str().to_owned();
+    name.push(".new");
+    name.into()
+}
+
+/// Fills the file, makes sure that it is on the disk, and renames it.
+fn put(
+    target: &Path,
+    directory: &Path,
+    new: TempPath,
+    fill: impl FnOnce(&Path) -> Result<(), String>,
+) -> Result<(), ImageError> {
+    let error = |what: &str, e: std::io::Error| ImageError::new(target, format!("{what}: {e}"));
     fill(&new).map_err(|reason| {
         let reason = match probe(&new) {
             Ok(()) => reason,

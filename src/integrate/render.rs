@@ -63,6 +63,24 @@ pub trait Observer: Sync {
     }
     /// Asked before every tile: `true` ends the render soon.
     fn should_stop(&self) -> bool;
+    /// Asked before every tile: `true` halts the render after the tiles in flight, so that
+    /// [`Observer::paused`] sees a film that nobody is at. It then goes on where it was.
+    fn should_pause(&self) -> bool {
+        false
+    }
+    /// The render has halted.
+    fn paused(&self, spent: &Spent, film: &Film) {
+        let _ = (spent, film);
+    }
+}
+
+/// What a render has cost so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Spent {
+    /// Wall-clock time.
+    pub time: Duration,
+    /// Rays traced, shadow rays included.
+    pub rays: u64,
 }
 
 /// What a render came to.
@@ -114,45 +132,65 @@ impl<'a> View<'a> {
     }
 }
 
-/// Renders until a limit is reached.
+/// Renders until a limit is reached: the tiles that `film` holds, from the first sample on.
 pub fn render(view: &View, film: &mut Film, limits: &Limits, observer: &dyn Observer) -> Summary {
+    resume(view, film, limits, Spent::default(), observer)
+}
+
+/// Renders on from where `film` is, at a cost of `before` so far, until a limit is reached. Tiles may be
+/// at different samples: each goes on at its own. Sums grow in sample order, so that the film becomes
+/// what it would have become without the interruption.
+pub fn resume(
+    view: &View,
+    film: &mut Film,
+    limits: &Limits,
+    before: Spent,
+    observer: &dyn Observer,
+) -> Summary {
     let start = Instant::now();
+    let elapsed = || before.time + start.elapsed();
     let job = Job {
         view: *view,
         filter: FilterSampler::new(view.film.filter),
         observer,
         waves: Mutex::new(Vec::new()),
     };
-    let pixels = u64::from(film.width()) * u64::from(film.height());
-    let mut spp = 0;
-    let mut noise = None;
+    let mut spp = film.spp_done();
+    // Between passes, where a render that was never interrupted looks at the noise.
+    let between = film.held().all(|tile| tile.done == spp);
+    let mut noise = film.noise().filter(|_| spp > 0 && between);
     let stopped_by = loop {
+        let clean = |target: f32| spp >= MIN_SPP_FOR_NOISE && noise.is_some_and(|n| n <= target);
         if spp >= limits.spp {
             break StoppedBy::Samples;
         }
-        let pass = pass_size(spp, limits, start.elapsed());
+        if limits.noise.is_some_and(clean) {
+            break StoppedBy::Noise;
+        }
+        let pass = pass_size(spp, limits, elapsed());
         if pass == 0 {
             break StoppedBy::Time;
         }
-        job.pass(film, spp..spp + pass);
-        if observer.should_stop() {
+        while !job.pass(film, spp + pass) && !observer.should_stop() {
+            let spent = Spent {
+                time: elapsed(),
+                rays: before.rays + job.rays(),
+            };
+            observer.paused(&spent, film);
+        }
+        if film.spp_done() < spp + pass {
             break StoppedBy::Interrupt;
         }
         spp += pass;
         noise = film.noise();
-        let elapsed = start.elapsed();
         let progress = Progress {
             spp,
             spp_limit: limits.spp,
-            samples: spp * pixels,
-            elapsed,
+            samples: film.samples_done(),
+            elapsed: elapsed(),
             noise,
         };
         observer.pass_done(&progress, film);
-        let clean = |target: f32| spp >= MIN_SPP_FOR_NOISE && noise.is_some_and(|n| n <= target);
-        if limits.noise.is_some_and(clean) {
-            break StoppedBy::Noise;
-        }
     };
     let samples = film
         .tiles()
@@ -160,16 +198,12 @@ pub fn render(view: &View, film: &mut Film, limits: &Limits, observer: &dyn Obse
         .flat_map(|t| &t.pixels)
         .map(|p| p.count)
         .sum();
-    let rays = job
-        .waves
-        .into_inner()
-        .map_or(0, |waves| waves.iter().map(Wave::rays_traced).sum());
     Summary {
         stopped_by,
         spp,
         samples,
-        rays,
-        elapsed: start.elapsed(),
+        rays: before.rays + job.rays(),
+        elapsed: elapsed(),
         noise,
     }
 }
@@ -208,25 +242,38 @@ struct Job<'a> {
 }
 
 impl Job<'_> {
-    /// Takes the samples `range` of every pixel.
-    fn pass(&self, film: &mut Film, range: Range<u64>) {
+    /// Rays traced by waves that are not in use.
+    fn rays(&self) -> u64 {
+        let waves = self.waves.lock();
+        waves.map_or(0, |waves| waves.iter().map(Wave::rays_traced).sum())
+    }
+
+    /// Takes the samples of every pixel up to `end`. `false` if the observer stopped or paused it before
+    /// all tiles were there.
+    fn pass(&self, film: &mut Film, end: u64) -> bool {
         film.tiles_mut()
             .par_iter_mut()
             .with_max_len(1)
             .for_each(|tile| {
-                if self.observer.should_stop() {
+                let range = tile.done..end;
+                if !tile.is_held() || range.is_empty() {
+                    return;
+                }
+                if self.observer.should_stop() || self.observer.should_pause() {
                     return;
                 }
                 // A thread that panicked left a wave behind that nobody will read: go on with a new one.
                 let idle = self.waves.lock().map_or(None, |mut w| w.pop());
                 let mut wave = idle.unwrap_or_default();
                 self.render_tile(tile, range.clone(), &mut wave);
+                tile.done = end;
                 let samples = (range.end - range.start) * tile.pixels.len() as u64;
                 self.observer.tile_done(samples);
                 if let Ok(mut waves) = self.waves.lock() {
                     waves.push(wave);
                 }
             });
+        film.held().all(|t| t.done >= end)
     }
 
     /// Takes the samples `range` of a tile's pixels, a wave at a time. All samples of a pixel's share

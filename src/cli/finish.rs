@@ -1,0 +1,114 @@
+//! The end of a render: what is written, and what the exit code says about it.
+//!
+//! | the render is | a whole image | a shard |
+//! |---|---|---|
+//! | complete | the images; the checkpoint goes | the part; the checkpoint goes |
+//! | interrupted | the images so far | nothing: half a part would be in the way |
+//! | interrupted, with checkpoints | the checkpoint, the images so far | the checkpoint |
+
+use super::args::RenderArgs;
+use super::checkpoint::Checkpoint;
+use super::output::Outputs;
+use super::{Failure, memory};
+use crate::film::Film;
+use crate::film::layers::Metadata;
+use crate::film::part::Record;
+use crate::integrate::render::{Spent, StoppedBy, Summary};
+use crate::report::stats::Stats;
+use std::time::Instant;
+
+/// A render that has ended, one way or the other.
+pub struct Done<'a> {
+    /// The command line.
+    pub args: &'a RenderArgs,
+    /// Where to write.
+    pub outputs: &'a Outputs,
+    /// Where to save, if that is wanted.
+    pub checkpoint: Option<&'a Checkpoint>,
+    /// What a shard's part says about itself.
+    pub record: Option<Record>,
+    /// Brightness of 8-bit formats.
+    pub exposure: f32,
+}
+
+impl Done<'_> {
+    /// Writes everything and completes the measurements.
+    ///
+    /// # Errors
+    /// When something cannot be written; after an interrupt, with all written.
+    pub fn write(&self, film: &Film, summary: &Summary, stats: &mut Stats) -> Result<(), Failure> {
+        let interrupted = summary.stopped_by == StoppedBy::Interrupt;
+        if film.samples_done() == 0 {
+            tracing::warn!("no sample was finished: nothing is written");
+            return Err(Failure::Interrupted);
+        }
+        let start = Instant::now();
+        let saved = match self.checkpoint.filter(|_| interrupted) {
+            Some(checkpoint) => checkpoint.save(&spent(summary), film),
+            None => Ok(()),
+        };
+        let written = match (self.args.parts.shard, &self.record) {
+            (Some(_), Some(record)) if !interrupted => {
+                self.outputs.write_part(&part_of(record, summary), film)
+            }
+            (Some(_), _) => Ok(()),
+            (None, _) => {
+                let metadata = metadata(self.args, stats);
+                self.outputs
+                    .write_images(film, &self.args.files, self.exposure, &metadata)
+            }
+        };
+        stats.write_seconds = start.elapsed().as_secs_f64();
+        stats.peak_memory_bytes = memory::peak_bytes();
+        self.outputs.write_stats(&stats.to_json())?;
+        saved.map_err(|e| Failure::Refused(e.to_string()))?;
+        written?;
+        self.close(interrupted)
+    }
+
+    /// Everything is written: what does the exit code say?
+    fn close(&self, interrupted: bool) -> Result<(), Failure> {
+        match (interrupted, self.checkpoint) {
+            (false, Some(checkpoint)) => {
+                checkpoint.remove();
+                Ok(())
+            }
+            (false, None) => Ok(()),
+            (true, Some(_)) => Err(Failure::Checkpointed),
+            (true, None) if self.args.parts.shard.is_some() => {
+                tracing::warn!(
+                    "the shard is not complete: nothing is written without --checkpoint"
+                );
+                Err(Failure::Interrupted)
+            }
+            (true, None) => Err(Failure::Interrupted),
+        }
+    }
+}
+
+fn spent(summary: &Summary) -> Spent {
+    Spent {
+        time: summary.elapsed,
+        rays: summary.rays,
+    }
+}
+
+/// The record with what the render has cost.
+fn part_of(record: &Record, summary: &Summary) -> Record {
+    let mut record = record.clone();
+    record.origin.seconds = summary.elapsed.as_secs_f64();
+    record.origin.rays = summary.rays;
+    record
+}
+
+/// What a file says about how it was made.
+fn metadata(args: &RenderArgs, stats: &Stats) -> Metadata {
+    let words = std::env::args_os().skip(1);
+    let words: Vec<_> = words.map(|w| w.to_string_lossy().into_owned()).collect();
+    Metadata {
+        scene: args.scene.scene.display().to_string(),
+        settings: words.join(" "),
+        spp: stats.spp,
+        seconds: stats.render_seconds,
+    }
+}

@@ -1,0 +1,223 @@
+//! `twintree merge`: from the parts of an image to the image.
+//!
+//! Parts bring whole tiles, so that merging adds nothing and the order of the parts does not matter. They
+//! are read one after the other: the film is in memory once.
+
+use super::Failure;
+use super::args::MergeArgs;
+use super::output::Outputs;
+use super::{memory, overrides};
+use crate::film::Film;
+use crate::film::layers::Metadata;
+use crate::film::part::{PartReader, Record};
+use crate::film::shard::Deal;
+use crate::report::stats::Stats;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// A part's name and record.
+type Known = (PathBuf, Record);
+
+/// Joins parts and writes images.
+///
+/// # Errors
+/// When a part is damaged or of another image, parts overlap or are missing, or an image cannot be written.
+pub fn run(args: &MergeArgs) -> Result<(), Failure> {
+    let start = Instant::now();
+    let mut parts: Vec<Known> = Vec::new();
+    for path in &args.parts {
+        let record = PartReader::open(path)?.record().clone();
+        if let Some(first) = parts.first() {
+            compare(first, &(path.clone(), record.clone()))?;
+        }
+        parts.push((path.clone(), record));
+    }
+    let Some((_, first)) = parts.first() else {
+        return Err(Failure::Wrong("there are no parts to merge".into()));
+    };
+    let outputs = Outputs::plan(&args.files, Path::new(&first.origin.scene), None)?;
+    overrides::check_memory(first.region)?;
+    let film = read(&parts)?;
+    let missing = missing(&parts, &film);
+    if let Some(missing) = &missing {
+        if !args.partial {
+            return Err(Failure::wrong(
+                format!("the image is not complete: {missing}"),
+                "render what is missing, or write what there is with --partial",
+            ));
+        }
+        tracing::warn!("the image is not complete: {missing}");
+    }
+    let load = start.elapsed().as_secs_f64();
+    write(args, &outputs, &parts, &film, missing, load)
+}
+
+/// Refuses a part of another image than the first one's.
+fn compare((first, ours): &Known, (path, theirs): &Known) -> Result<(), Failure> {
+    let (here, there) = (
+        format!("in {}", first.display()),
+        format!("in {}", path.display()),
+    );
+    let mut differences = ours.identity.differences(&here, &theirs.identity, &there);
+    if differences.is_empty() && ours.region != theirs.region {
+        differences.push("the regions of the film differ".into());
+    }
+    if ours.goal != theirs.goal {
+        let goal = |r: &Record| r.goal.map_or("not set".into(), |n| n.to_string());
+        differences.push(format!(
+            "--spp is {} {here} and {} {there}",
+            goal(ours),
+            goal(theirs)
+        ));
+    }
+    if differences.is_empty() {
+        return Ok(());
+    }
+    Err(Failure::wrong(
+        format!(
+            "{} and {} are not parts of one image: {}",
+            first.display(),
+            path.display(),
+            differences.join("; ")
+        ),
+        "merge parts of one scene, rendered with the same settings by the same program",
+    ))
+}
+
+/// Reads all parts into one film.
+fn read(parts: &[Known]) -> Result<Film, Failure> {
+    let region = parts.first().map_or([0; 4], |(_, record)| record.region);
+    let mut film = Film::vacant(region);
+    let mut owners: Vec<Option<usize>> = vec![None; film.tiles().len()];
+    for (k, (path, record)) in parts.iter().enumerate() {
+        let mut taken = |tile: usize| {
+            let Some(other) = owners[tile].replace(k) else {
+                return Ok(());
+            };
+            let (name, shard) = (parts[other].0.display(), parts[other].1.shard);
+            Err(format!(
+                "the part, shard {}, overlaps with {name}, shard {shard}: leave one out",
+                record.shard
+            ))
+        };
+        PartReader::open(path)?.read_into(&mut film, &mut taken)?;
+    }
+    Ok(film)
+}
+
+/// What is missing, in words.
+fn missing(parts: &[Known], film: &Film) -> Option<String> {
+    let mut words = Vec::new();
+    let tiles = film.tiles();
+    let gaps: Vec<usize> = (0..tiles.len()).filter(|&i| !tiles[i].is_held()).collect();
+    if let Some(&first) = gaps.first() {
+        words.push(
+            missing_shards(parts, &gaps, tiles.len()).unwrap_or_else(|| {
+                let (x, y) = (tiles[first].x0, tiles[first].y0);
+                format!(
+                    "{} of {} tiles are missing, the first at pixel {x},{y}",
+                    gaps.len(),
+                    tiles.len()
+                )
+            }),
+        );
+    }
+    let goal = parts.first().and_then(|(_, record)| record.goal);
+    let done = film.spp_done();
+    match goal {
+        Some(goal) if done < goal => {
+            words.push(format!(
+                "only {done} of {goal} samples were taken somewhere"
+            ));
+        }
+        None => words.push("the render has not come to its end".into()),
+        _ => {}
+    }
+    (!words.is_empty()).then(|| words.join("; "))
+}
+
+/// The missing shards by number, where all parts are shards of one deal.
+fn missing_shards(parts: &[Known], gaps: &[usize], tiles: usize) -> Option<String> {
+    let count = parts.first()?.1.shard.count;
+    if parts.iter().any(|(_, record)| record.shard.count != count) {
+        return None;
+    }
+    let deal = Deal::new(tiles, count);
+    let mut list: Vec<u32> = gaps.iter().map(|&tile| deal.owner(tile)).collect();
+    list.sort_unstable();
+    list.dedup();
+    let names: Vec<String> = list.iter().map(|i| format!("{i}/{count}")).collect();
+    let verb = if names.len() == 1 { "shard" } else { "shards" };
+    Some(format!("{verb} {} missing", names.join(", ")))
+}
+
+fn write(
+    args: &MergeArgs,
+    outputs: &Outputs,
+    parts: &[Known],
+    film: &Film,
+    missing: Option<String>,
+    load: f64,
+) -> Result<(), Failure> {
+    let mut stats = measure(parts, film, missing.is_some());
+    stats.load_seconds = load;
+    let Some((_, first)) = parts.first() else {
+        return Ok(());
+    };
+    let mut words = first.origin.words.clone();
+    if let Some(missing) = missing {
+        words += &format!(" (not complete: {missing})");
+    }
+    let metadata = Metadata {
+        scene: first.origin.scene.clone(),
+        settings: words,
+        spp: stats.spp,
+        seconds: stats.render_seconds,
+    };
+    let exposure = args.files.exposure.unwrap_or(first.origin.exposure);
+    let start = Instant::now();
+    let written = outputs.write_images(film, &args.files, exposure, &metadata);
+    stats.write_seconds = start.elapsed().as_secs_f64();
+    stats.peak_memory_bytes = memory::peak_bytes();
+    outputs.write_stats(&stats.to_json())?;
+    written
+}
+
+/// The measurements of all parts together: times, rays and threads are sums over the machines.
+fn measure(parts: &[Known], film: &Film, partial: bool) -> Stats {
+    let origins = || parts.iter().map(|(_, record)| &record.origin);
+    let first = origins().next().cloned().unwrap_or_default();
+    let seconds: f64 = origins().map(|o| o.seconds).sum();
+    let rays: u64 = origins().map(|o| o.rays).sum();
+    let samples = film.held().flat_map(|t| &t.pixels).map(|p| p.count).sum();
+    // Parts of no time at all have no rate to speak of, and must not divide by zero.
+    let per_second = |n: u64| n as f64 / seconds.max(1e-9);
+    Stats {
+        version: env!("CARGO_PKG_VERSION").into(),
+        scene: first.scene,
+        width: film.width(),
+        height: film.height(),
+        seed: first.seed,
+        threads: origins().map(|o| o.threads).sum(),
+        accel: first.accel,
+        stopped_by: if partial { "interrupt" } else { "samples" },
+        spp: film.spp_done(),
+        samples,
+        samples_per_second: per_second(samples),
+        rays,
+        rays_per_second: per_second(rays),
+        noise: film.noise(),
+        invalid_samples: film.invalid_samples(),
+        load_seconds: 0.0,
+        build_seconds: 0.0,
+        train_seconds: 0.0,
+        field_memory_bytes: 0,
+        render_seconds: seconds,
+        write_seconds: 0.0,
+        peak_memory_bytes: None,
+        accel_memory_bytes: 0,
+        texture_memory_bytes: 0,
+        triangles: first.triangles,
+        warnings: Vec::new(),
+    }
+}

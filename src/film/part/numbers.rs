@@ -1,0 +1,128 @@
+//! Tiles and pixels as rows of 64-bit numbers, and those as EXR's 32-bit ones.
+
+use crate::film::{Pixel, Tile};
+use xxhash_rust::xxh3::Xxh3;
+
+/// What is stored of a pixel. EXR sorts channels by name: so is this list, and `.high` stays before `.low`.
+pub const PIXEL: [&str; 16] = [
+    "albedo.b",
+    "albedo.g",
+    "albedo.r",
+    "count",
+    "depth",
+    "met",
+    "normal.x",
+    "normal.y",
+    "normal.z",
+    "radiance.b",
+    "radiance.g",
+    "radiance.r",
+    "squares.b",
+    "squares.g",
+    "squares.r",
+    "weight",
+];
+
+/// What is stored of a tile, sorted too.
+pub const TILE: [&str; 8] = [
+    "check",
+    "done",
+    "dropped",
+    "first.known",
+    "first.sample",
+    "first.x",
+    "first.y",
+    "index",
+];
+
+/// The halves of a 64-bit number, in the order of their channels.
+pub const HALVES: [&str; 2] = ["high", "low"];
+
+/// The numbers of a pixel in the order of [`PIXEL`].
+pub fn of_pixel(p: &Pixel) -> [u64; 16] {
+    let [ar, ag, ab] = p.albedo.map(f64::to_bits);
+    let [nx, ny, nz] = p.normal.map(f64::to_bits);
+    let [rr, rg, rb] = p.radiance.map(f64::to_bits);
+    let [sr, sg, sb] = p.squares.map(f64::to_bits);
+    let (depth, weight) = (p.depth.to_bits(), p.weight.to_bits());
+    [
+        ab, ag, ar, p.count, depth, p.met, nx, ny, nz, rb, rg, rr, sb, sg, sr, weight,
+    ]
+}
+
+/// The pixel of the numbers.
+pub fn to_pixel(n: &[u64; 16]) -> Pixel {
+    let real = |i: usize| f64::from_bits(n[i]);
+    Pixel {
+        radiance: [real(11), real(10), real(9)],
+        squares: [real(14), real(13), real(12)],
+        weight: real(15),
+        count: n[3],
+        albedo: [real(2), real(1), real(0)],
+        normal: [real(6), real(7), real(8)],
+        depth: real(4),
+        met: n[5],
+    }
+}
+
+/// The numbers of tile number `index` in the order of [`TILE`]; `seal` is that of the record.
+pub fn of_tile(index: usize, tile: &Tile, seal: u64) -> [u64; 8] {
+    let (x, y, sample) = tile.first_invalid.unwrap_or_default();
+    let known = u64::from(tile.first_invalid.is_some());
+    let mut row = [0, tile.done, tile.invalid, known, sample, 0, 0, 0];
+    (row[5], row[6], row[7]) = (u64::from(x), u64::from(y), index as u64);
+    row[0] = check(&row, &tile.pixels, seal);
+    row
+}
+
+/// Number of a tile on the film, from its row.
+pub fn index_of(row: &[u64; 8]) -> u64 {
+    row[7]
+}
+
+/// Puts a row and its pixels into the tile that the row is about. `false` if the checksum is wrong.
+pub fn to_tile(row: &[u64; 8], pixels: Vec<Pixel>, seal: u64, tile: &mut Tile) -> bool {
+    if check(row, &pixels, seal) != row[0] {
+        return false;
+    }
+    tile.done = row[1];
+    tile.invalid = row[2];
+    tile.first_invalid = (row[3] != 0).then_some((row[5] as u32, row[6] as u32, row[4]));
+    tile.pixels = pixels;
+    true
+}
+
+/// The checksum that a record gives to all tiles.
+pub fn seal(record: &str) -> u64 {
+    xxhash_rust::xxh3::xxh3_64(record.as_bytes())
+}
+
+/// The checksum of a tile: everything in the row but itself, and the pixels.
+fn check(row: &[u64; 8], pixels: &[Pixel], seal: u64) -> u64 {
+    let mut hash = Xxh3::new();
+    hash.update(&seal.to_le_bytes());
+    let mut add = |numbers: &[u64]| {
+        for number in numbers {
+            hash.update(&number.to_le_bytes());
+        }
+    };
+    add(&row[1..]);
+    pixels.iter().for_each(|pixel| add(&of_pixel(pixel)));
+    hash.digest()
+}
+
+/// The half of a number that channel `channel` of a row holds.
+pub fn half(numbers: &[u64], channel: usize) -> u32 {
+    let number = numbers[channel / 2];
+    if channel % 2 == 0 {
+        (number >> 32) as u32
+    } else {
+        number as u32
+    }
+}
+
+/// Puts a half into its number.
+pub fn put_half(numbers: &mut [u64], channel: usize, half: u32) {
+    let shift = if channel % 2 == 0 { 32 } else { 0 };
+    numbers[channel / 2] |= u64::from(half) << shift;
+}
