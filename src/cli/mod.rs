@@ -11,21 +11,26 @@ pub mod checkpoint;
 pub mod compare;
 pub mod console;
 pub mod failure;
+pub mod field;
+pub mod field_args;
 pub mod finish;
 pub mod generate;
 pub mod identity;
 pub mod info;
 pub mod interrupt;
+pub mod learning;
 pub mod load;
 pub mod measure_args;
 pub mod memory;
 pub mod merge;
+pub mod merge_fields;
 pub mod output;
 pub mod overrides;
 pub mod preview;
 pub mod progress;
 pub mod render;
 pub mod threads;
+pub mod train;
 pub mod values;
 
 pub use args::Cli;
@@ -44,6 +49,9 @@ impl Cli {
         match &self.command {
             Command::Render(args) => render::run(args, &console),
             Command::Merge(args) => merge::run(args),
+            Command::Train(args) => train::run(args),
+            Command::Field(args) => field::run(args),
+            Command::MergeFields(args) => merge_fields::run(args),
             Command::Info(args) => info::run(args),
             Command::Check(args) => check::run(args),
             Command::Compare(args) => compare::run(args),

@@ -1,6 +1,6 @@
 //! `twintree render`: from a scene file to an image file.
 
-use super::args::{Accel, RenderArgs};
+use super::args::RenderArgs;
 use super::checkpoint::Checkpoint;
 use super::console::Console;
 use super::finish::Done;
@@ -11,12 +11,9 @@ use super::output::Outputs;
 use super::preview::Tev;
 use super::progress::Watch;
 use super::values::Preview;
-use super::{Failure, overrides, threads};
-use crate::accel::{Backend, BuildSettings};
+use super::{Failure, learning, overrides, threads};
 use crate::camera::Camera;
 use crate::film::Film;
-use crate::integrate::guiding::Guide;
-use crate::integrate::learn::learn;
 use crate::integrate::render::{Limits, Spent, StoppedBy, Summary, View, resume};
 use crate::report::scene::triangles;
 use crate::report::stats::Stats;
@@ -50,11 +47,17 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
     let outputs = Outputs::plan(&args.files, &args.scene.scene, args.parts.shard)?;
     let mut times = Times::default();
     let (mut loaded, triangles) = read(args, &mut times)?;
-    let fingerprint = match args.parts.wanted() {
+    let field = learning::wanted_file(&args.guide)?;
+    let fingerprint = match args.parts.wanted() || field.is_some() {
         true => Some(loaded.fingerprint()?),
         false => None,
     };
-    let scene = timed(&mut times.build, || build(args, &mut loaded))?;
+    if let (Some(field), Some(scene)) = (&field, fingerprint) {
+        field.check(scene, args.guide.any_scene)?;
+    }
+    let scene = timed(&mut times.build, || {
+        learning::build(args.accel, &mut loaded)
+    })?;
     let description = &loaded.description;
     let (width, height) = (description.film.width, description.film.height);
     let settings = overrides::path_settings(&args.light, &description.render);
@@ -67,8 +70,9 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
         settings: &settings,
         guide: None,
     };
-    let record = fingerprint.map(|scene| {
-        let subject = Subject::new(&plain, scene, triangles);
+    let record = fingerprint.filter(|_| args.parts.wanted()).map(|scene| {
+        let mut subject = Subject::new(&plain, scene, triangles);
+        subject.field = field.as_ref().map(|f| f.fingerprint);
         identity::record(args, &subject, &limits)
     });
     let mut film = identity::film(args, &description.film)?;
@@ -76,7 +80,9 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
     let Some(before) = go_on(args, &outputs, checkpoint.as_ref(), &mut film)? else {
         return Ok(());
     };
-    let guide = timed(&mut times.train, || train(args, &plain))?;
+    let guide = timed(&mut times.train, || {
+        learning::guide(&args.guide, field, &plain)
+    })?;
     let setting = Setting {
         view: View {
             guide: guide.as_ref(),
@@ -141,55 +147,6 @@ fn read(args: &RenderArgs, times: &mut Times) -> Result<(Loaded, u64), Failure> 
         words::time(times.load)
     );
     Ok((loaded, triangles))
-}
-
-fn build(args: &RenderArgs, loaded: &mut Loaded) -> Result<Scene, Failure> {
-    let start = Instant::now();
-    let backend = match args.accel {
-        None => Backend::default(),
-        Some(Accel::Embree) => Backend::Embree,
-        Some(Accel::Obvhs) => Backend::Obvhs,
-    };
-    let settings = BuildSettings {
-        threads: threads::count(),
-        ..BuildSettings::default()
-    };
-    let scene = Scene::build(&mut loaded.description, settings, backend)?;
-    tracing::debug!(
-        "{} holds {}, built in {}",
-        scene.rays.name(),
-        words::bytes(scene.rays.memory_bytes() as u64),
-        words::time(start.elapsed().as_secs_f64())
-    );
-    Ok(scene)
-}
-
-/// Learns the field, if one is wanted, and says what came of it.
-fn train(args: &RenderArgs, view: &View) -> Result<Option<Guide>, Failure> {
-    let Some(settings) = overrides::learn_settings(&args.light, view.settings) else {
-        return Ok(None);
-    };
-    if view.scene.lights.is_empty() {
-        tracing::warn!("nothing shines: there is nothing to learn");
-        return Ok(None);
-    }
-    let learned = learn(view, &settings)?;
-    tracing::info!(
-        "learned from {} photons ({} landings) in {}: {} links in {} cells, {}",
-        words::count(learned.counts.emitted as f64),
-        words::count(learned.counts.landings as f64),
-        words::time(learned.elapsed.as_secs_f64()),
-        words::count(learned.stats.links as f64),
-        words::count(learned.stats.space_cells as f64),
-        words::bytes(learned.guide.field.bytes())
-    );
-    if learned.counts.invalid > 0 {
-        tracing::warn!(
-            "{} photons were not finite and were left out",
-            learned.counts.invalid
-        );
-    }
-    Ok(Some(learned.guide))
 }
 
 fn trace(

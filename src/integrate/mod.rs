@@ -9,6 +9,7 @@
 //! Each sample's numbers come from `(seed, pixel, sample)` alone and each pixel's sum is taken in sample
 //! order, so neither the tiles nor the threads can change a bit of the image.
 
+pub mod cells;
 pub mod extend;
 pub mod guiding;
 pub mod importance;
@@ -19,6 +20,9 @@ pub mod render;
 pub mod roulette;
 pub mod vertex;
 pub mod wave;
+
+#[cfg(test)]
+mod tests;
 
 use crate::math::PathSampler;
 use crate::scene::description::SamplerKind;

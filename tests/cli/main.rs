@@ -3,6 +3,7 @@
 mod benching;
 mod comparing;
 mod errors;
+mod fields;
 mod generated;
 mod inspect;
 mod messages;
