@@ -3,7 +3,7 @@
 
 mod support;
 
-use support::{Built, SceneMaker, grey, inside_of_cube, mesh, settings};
+use support::{Built, SceneMaker, inside_of_cube, mesh, settings};
 use twintree::accel::{Backend, ExactKind};
 use twintree::guide::{Field, ModelKind, SurfacePoint, Trainer};
 use twintree::integrate::guiding::{Guide, facing};
@@ -26,7 +26,7 @@ fn floor(radiance: f32) -> Built {
     let square = mesh(corners, vec![[0, 1, 2], [0, 2, 3]]);
     maker.shape(square, grey_wall, None, false);
     maker.emitter(Emitter::Constant {
-        radiance: grey(radiance),
+        radiance: Rgb::splat(radiance),
     });
     maker.build(Backend::default())
 }

@@ -181,7 +181,7 @@ mod tests {
 
     #[test]
     fn ranges_join_in_any_order() {
-        let want = of(&[0..9], 0..9);
+        let want = Numbers::new(0..9, 0..9);
         for order in [[0, 1, 2], [2, 0, 1], [1, 2, 0], [2, 1, 0]] {
             let parts = [0..3, 3..4, 4..9];
             let got = of(&order.map(|i: usize| parts[i].clone()), 0..9);
@@ -196,7 +196,7 @@ mod tests {
         let some = of(&[12..15, 20..30], 10..40);
         assert_eq!(some.missing(), [10..12, 15..20, 30..40]);
         assert_eq!(some.overlap(&of(&[0..12, 15..20], 0..50)), None);
-        assert_eq!(some.overlap(&of(&[13..25], 0..50)), Some(13..15));
+        assert_eq!(some.overlap(&Numbers::new(13..25, 0..50)), Some(13..15));
         assert_eq!(some.next(), 40);
         let ledger = Ledger {
             paths: some,
