@@ -2,8 +2,8 @@
 
 use super::field_args::{FieldArgs, GuideArgs, MergeFieldsArgs, TrainArgs};
 use super::measure_args::{Bench, CompareArgs};
+use super::part_args::{FarmArgs, MergeArgs, PartArgs};
 use super::values::{self, Crop, Definition, Depth, Preview};
-use crate::film::Shard;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -42,6 +42,8 @@ pub enum Command {
     Field(Box<FieldArgs>),
     /// Add fields that were learned with "train --field --shard"
     MergeFields(MergeFieldsArgs),
+    /// Print job files that render an image in parts on many machines; nothing is submitted
+    Farm(FarmArgs),
     /// Show what is in a scene
     Info(InfoArgs),
     /// Load a scene and say what is wrong with it; nothing is rendered
@@ -236,46 +238,6 @@ pub struct StopArgs {
     /// Stop at this noise: the expected root of the relative mean squared error
     #[arg(long, value_name = "NOISE", value_parser = values::noise, allow_negative_numbers = true, help_heading = "Stop at whichever comes first")]
     pub noise: Option<f32>,
-}
-
-/// Rendering in parts and in several goes.
-#[derive(Args, Debug)]
-pub struct PartArgs {
-    /// Render a share of the image, 0/4 to 3/4, into a part file for "twintree merge"
-    #[arg(long, value_name = "I/N", value_parser = values::shard, conflicts_with_all = ["time", "noise", "preview"], help_heading = "Parts and checkpoints")]
-    pub shard: Option<Shard>,
-    /// Save the state of the render beside the first output this often, and when interrupted
-    #[arg(long, value_name = "TIME", value_parser = values::duration, help_heading = "Parts and checkpoints")]
-    pub checkpoint: Option<Duration>,
-    /// Go on from the checkpoint, if there is one; save another when interrupted
-    #[arg(long, help_heading = "Parts and checkpoints")]
-    pub resume: bool,
-}
-
-impl PartArgs {
-    /// Whether the state of the render is saved when it is interrupted.
-    pub fn saves(&self) -> bool {
-        self.resume || self.checkpoint.is_some()
-    }
-
-    /// Whether parts of any kind are read or written.
-    pub fn wanted(&self) -> bool {
-        self.saves() || self.shard.is_some()
-    }
-}
-
-/// Arguments of `twintree merge`.
-#[derive(Args, Debug)]
-pub struct MergeArgs {
-    /// Part files, in any order; checkpoints too, with --partial
-    #[arg(required = true)]
-    pub parts: Vec<PathBuf>,
-    /// Files.
-    #[command(flatten)]
-    pub files: FileArgs,
-    /// Write what there is: what is missing stays black
-    #[arg(long)]
-    pub partial: bool,
 }
 
 /// Size and filter of the picture.

@@ -5,7 +5,7 @@
 //! complete. The render it is read by must be the one that wrote it: what differs is said.
 
 use super::Failure;
-use super::args::PartArgs;
+use super::part_args::PartArgs;
 use crate::film::Film;
 use crate::film::part::{self, Packing, PartReader, Record};
 use crate::image::{ImageError, atomic};

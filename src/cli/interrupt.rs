@@ -1,9 +1,11 @@
 //! Signals. While rendering, the first Ctrl-C (or SIGTERM, or SIGHUP) asks for an end after the tiles in
 //! flight, so that what was rendered is kept; the second quits at once. Before and after there is nothing
 //! to save, and the first quits. SIGUSR1, where a checkpoint is wanted, asks for one and for no end.
+//! SIGXFSZ is heard and nothing more: a file that grows beyond its limit is an error of writing then, in
+//! words, and not the end of the program.
 
 use super::failure::{Failure, INTERRUPTED};
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1, SIGXFSZ};
 use signal_hook::iterator::Signals;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -29,7 +31,7 @@ impl Interrupt {
     /// When the system refuses a signal handler.
     pub fn listen(saves: bool) -> Result<Self, Failure> {
         let refused = |e| Failure::Refused(format!("signals cannot be handled: {e}"));
-        let mut signals = Signals::new([SIGINT, SIGTERM, SIGHUP]).map_err(refused)?;
+        let mut signals = Signals::new([SIGINT, SIGTERM, SIGHUP, SIGXFSZ]).map_err(refused)?;
         if saves {
             signals.add_signal(SIGUSR1).map_err(refused)?;
         }
@@ -67,9 +69,10 @@ impl Interrupt {
 
 impl State {
     fn hear(&self, signal: i32) {
-        if signal == SIGUSR1 {
-            self.save.store(true, Ordering::Relaxed);
-            return;
+        match signal {
+            SIGXFSZ => return,
+            SIGUSR1 => return self.save.store(true, Ordering::Relaxed),
+            _ => {}
         }
         let again = self.requested.swap(true, Ordering::SeqCst);
         if again || !self.patient.load(Ordering::SeqCst) {

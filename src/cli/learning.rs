@@ -9,7 +9,7 @@ use crate::guide::FieldFile;
 use crate::image::atomic;
 use crate::integrate::extend::{check_scene, to_guide};
 use crate::integrate::guiding::Guide;
-use crate::integrate::learn::{Learned, learn};
+use crate::integrate::learn::{Learned, Learner, learn};
 use crate::integrate::render::View;
 use crate::photon::PhotonCounts;
 use crate::report::words;
@@ -81,15 +81,28 @@ pub fn wanted_file(args: &GuideArgs) -> Result<Option<Opened>, Failure> {
     Opened::read(path).map(Some)
 }
 
-/// The field to render with, if one is wanted: that of a file, or a new one.
+/// What guides a render: a field that was kept, one that is learned on the way, or nothing.
+#[derive(Default)]
+pub struct Guiding {
+    /// From a file.
+    pub kept: Option<Guide>,
+    /// Learned on the way.
+    pub learner: Option<Learner>,
+}
+
+impl Guiding {
+    /// What is known so far, if anything is.
+    pub fn guide(&self) -> Option<&Guide> {
+        let learned = self.learner.as_ref().map(Learner::guide);
+        learned.or(self.kept.as_ref())
+    }
+}
+
+/// Prepares guiding, if it is wanted: by the field of a file, or by a new one.
 ///
 /// # Errors
 /// When there is nothing to learn from.
-pub fn guide(
-    args: &GuideArgs,
-    opened: Option<Opened>,
-    view: &View,
-) -> Result<Option<Guide>, Failure> {
+pub fn guiding(args: &GuideArgs, opened: Option<Opened>, view: &View) -> Result<Guiding, Failure> {
     if let Some(opened) = opened {
         let guide = to_guide(&opened.file);
         tracing::info!(
@@ -98,16 +111,44 @@ pub fn guide(
             records(&opened.file),
             words::bytes(guide.field.bytes())
         );
-        return Ok(Some(guide));
+        return Ok(Guiding {
+            kept: Some(guide),
+            learner: None,
+        });
     }
     if args.guide.unwrap_or(Way::None) == Way::None {
-        return Ok(None);
+        return Ok(Guiding::default());
     }
+    let settings = overrides::learn_settings(&args.learn, view.settings)?;
     if view.scene.lights.is_empty() {
         tracing::warn!("nothing shines: there is nothing to learn");
-        return Ok(None);
+        return Ok(Guiding::default());
     }
-    Ok(Some(teach(&args.learn, view)?.guide))
+    let learner = Learner::new(view, &settings)?;
+    let counts = learner.counts();
+    tracing::info!(
+        "learned from {} photons ({} landings) in {}",
+        words::count(counts.emitted as f64),
+        words::count(counts.landings as f64),
+        words::time(learner.elapsed().as_secs_f64()),
+    );
+    warn_of_invalid_photons(&counts);
+    Ok(Guiding {
+        kept: None,
+        learner: Some(learner),
+    })
+}
+
+/// Says what was learned on the way.
+pub fn describe(learner: &Learner) {
+    let stats = learner.stats();
+    tracing::info!(
+        "the field: {} links in {} cells, {}; learning it took {}",
+        words::count(stats.links as f64),
+        words::count(stats.space_cells as f64),
+        words::bytes(learner.guide().field.bytes()),
+        words::time(learner.elapsed().as_secs_f64()),
+    );
 }
 
 /// Learns a field and says what came of it.

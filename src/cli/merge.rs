@@ -4,8 +4,8 @@
 //! are read one after the other: the film is in memory once.
 
 use super::Failure;
-use super::args::MergeArgs;
 use super::output::Outputs;
+use super::part_args::MergeArgs;
 use super::{memory, overrides};
 use crate::film::Film;
 use crate::film::layers::Metadata;

@@ -11,6 +11,7 @@ pub mod checkpoint;
 pub mod compare;
 pub mod console;
 pub mod failure;
+pub mod farm;
 pub mod field;
 pub mod field_args;
 pub mod finish;
@@ -26,6 +27,7 @@ pub mod merge;
 pub mod merge_fields;
 pub mod output;
 pub mod overrides;
+pub mod part_args;
 pub mod preview;
 pub mod progress;
 pub mod render;
@@ -52,6 +54,7 @@ impl Cli {
             Command::Train(args) => train::run(args),
             Command::Field(args) => field::run(args),
             Command::MergeFields(args) => merge_fields::run(args),
+            Command::Farm(args) => farm::run(args, self.threads),
             Command::Info(args) => info::run(args),
             Command::Check(args) => check::run(args),
             Command::Compare(args) => compare::run(args),

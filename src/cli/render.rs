@@ -14,6 +14,7 @@ use super::values::Preview;
 use super::{Failure, learning, overrides, threads};
 use crate::camera::Camera;
 use crate::film::Film;
+use crate::integrate::learn::Learner;
 use crate::integrate::render::{Limits, Spent, StoppedBy, Summary, View, resume};
 use crate::report::scene::triangles;
 use crate::report::stats::Stats;
@@ -80,23 +81,37 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
     let Some(before) = go_on(args, &outputs, checkpoint.as_ref(), &mut film)? else {
         return Ok(());
     };
-    let guide = timed(&mut times.train, || {
-        learning::guide(&args.guide, field, &plain)
+    let mut guiding = timed(&mut times.train, || {
+        learning::guiding(&args.guide, field, &plain)
     })?;
+    let photons = guiding
+        .learner
+        .as_ref()
+        .map_or(Duration::ZERO, Learner::elapsed);
     let setting = Setting {
         view: View {
-            guide: guide.as_ref(),
+            guide: guiding.kept.as_ref(),
             ..plain
         },
         limits,
         checkpoint: checkpoint.as_ref(),
-        before,
+        before: Spent {
+            time: before.time + photons,
+            ..before
+        },
     };
-    let summary = trace(args, console, &interrupt, &outputs, &setting, &mut film);
+    let learner = guiding.learner.as_mut();
+    let summary = trace(
+        args, console, &interrupt, &outputs, &setting, learner, &mut film,
+    );
+    if let Some(learner) = &guiding.learner {
+        learning::describe(learner);
+        times.train = learner.elapsed().as_secs_f64();
+    }
     let mut stats = measure(args, &scene, &loaded, &film, &summary);
     (stats.triangles, stats.load_seconds) = (triangles, times.load);
     (stats.build_seconds, stats.train_seconds) = (times.build, times.train);
-    stats.field_memory_bytes = guide.as_ref().map_or(0, |g| g.field.bytes());
+    stats.field_memory_bytes = guiding.guide().map_or(0, |g| g.field.bytes());
     tracing::info!("{}", stats.sentence());
     warn_of_invalid_samples(&film);
     let done = Done {
@@ -155,6 +170,7 @@ fn trace(
     interrupt: &Interrupt,
     outputs: &Outputs,
     setting: &Setting,
+    learner: Option<&mut Learner>,
     film: &mut Film,
 ) -> Summary {
     let preview = match &args.preview {
@@ -173,7 +189,14 @@ fn trace(
     let goes = (setting.checkpoint, setting.before.time);
     let watch = Watch::start(interrupt, console, limits, film, preview, goes);
     interrupt.be_patient();
-    let summary = resume(&setting.view, film, &limits, setting.before, &watch);
+    let summary = resume(
+        &setting.view,
+        learner,
+        film,
+        &limits,
+        setting.before,
+        &watch,
+    );
     watch.finish(film);
     summary
 }

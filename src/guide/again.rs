@@ -1,108 +1,138 @@
 //! Several rounds of refining over one batch.
 //!
 //! A split's children know their share of the flux but not how it is spread inside them, so a round
-//! can only go one level deeper. Showing the batch that was just trained again to the new links fills
-//! their tables without counting anything twice, and the next round can go on.
+//! can only go one level deeper. The trainer therefore keeps the records of the last batch, each with
+//! its place in P. After a round, those whose link was divided go on down from there and fill the
+//! tables of the new links, counting nothing twice, and the next round can look at these links.
 
-use super::record::{Origin, PathSample, Photon};
+use super::links::{Place, step};
+use super::record::{Deposit, Origin};
 use super::refine::Refined;
-use super::settings::Source;
-use super::train::{CHUNK, Trainer};
+use super::train::Trainer;
 use rayon::prelude::*;
 
-/// The batch that is shown again.
-#[derive(Clone, Copy)]
-enum Shown<'a> {
-    Photons(&'a [Photon]),
-    Paths(&'a [PathSample]),
+/// Most records that are kept, some 70 bytes each. Of a larger batch the first ones have to speak for
+/// all: they only tell how a known sum is spread.
+const MOST: usize = 1 << 22;
+
+/// The records of the last batch.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Recent {
+    origin: Option<Origin>,
+    deposits: Vec<Deposit>,
+    places: Vec<Place>,
+    vertices: Vec<Vertex>,
+}
+
+/// Where a path vertex lies.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Vertex {
+    pub key: u64,
+    /// Leaf of R.
+    pub leaf: u32,
+}
+
+impl Recent {
+    /// Forgets all and waits for a batch of this origin.
+    pub fn start(&mut self, origin: Origin) {
+        *self = Self::default();
+        self.origin = Some(origin);
+    }
+
+    /// Keeps records and their places, as long as there is room.
+    pub fn keep(&mut self, deposits: Vec<Deposit>, places: Vec<Place>) {
+        let room = MOST.saturating_sub(self.deposits.len());
+        self.deposits.extend(deposits.into_iter().take(room));
+        self.places.extend(places.into_iter().take(room));
+    }
+
+    /// Keeps path vertices, as long as there is room.
+    pub fn keep_vertices(&mut self, vertices: impl Iterator<Item = Vertex>) {
+        let room = MOST.saturating_sub(self.vertices.len());
+        self.vertices.extend(vertices.take(room));
+    }
 }
 
 impl Trainer {
-    /// *Refine* in up to `rounds` rounds over the photons that were just trained. They are not counted
-    /// again; they only tell new links how their share is spread. A field that is refined by paths
-    /// ([`Source::Paths`]) takes one round, without them.
-    pub fn refine_with(&mut self, photons: &[Photon], rounds: u32) -> Refined {
-        if self.settings.source == Source::Paths {
-            return self.refine();
-        }
-        self.refine_shown(Shown::Photons(photons), rounds)
-    }
-
-    /// The same for the camera paths that were just trained; a field of [`Source::Photons`] takes one
-    /// round, without them.
-    pub fn refine_with_paths(&mut self, samples: &[PathSample], rounds: u32) -> Refined {
-        if self.settings.source == Source::Photons {
-            return self.refine();
-        }
-        self.refine_shown(Shown::Paths(samples), rounds)
-    }
-
-    fn refine_shown(&mut self, shown: Shown, rounds: u32) -> Refined {
+    /// *Refine* in up to `rounds` rounds over the batch that was trained last. Its records are not
+    /// counted again; they only tell new links how their share is spread. Then they are forgotten. A
+    /// batch of records that do not decide about splits (see [`super::Source`]) gets one round.
+    pub fn refine_rounds(&mut self, rounds: u32) -> Refined {
         let mut sum = self.refine();
+        let mut recent = std::mem::take(&mut self.recent);
+        let Some(origin) = recent.origin.filter(|o| self.origins().contains(o)) else {
+            return sum;
+        };
         let mut last = sum;
-        for _ in 1..rounds {
-            if last.space + last.direction == 0 || last.refused > 0 {
+        for round in 1..=rounds {
+            if last.space + last.direction == 0 {
                 break;
             }
-            let fresh = self.show_again(shown);
+            let fresh = self.show_again(&mut recent, origin);
+            // What was made last starts with filled tables, too.
+            if round == rounds || last.refused > 0 {
+                break;
+            }
             last = self.divide(Some(&fresh));
             sum.space += last.space;
             sum.direction += last.direction;
             sum.refused = last.refused;
             sum.gain += last.gain;
         }
-        if last.space + last.direction > 0 {
-            // What was made last starts with filled tables, too.
-            self.show_again(shown);
-        }
         sum
     }
 
-    /// Fills the tables of links that have seen nothing yet; returns which they were.
-    fn show_again(&mut self, shown: Shown) -> Vec<bool> {
-        let origin = match shown {
-            Shown::Photons(_) => Origin::Photon,
-            Shown::Paths(_) => Origin::Path,
-        };
-        let fresh: Vec<bool> = self
-            .tallies
-            .iter()
-            .map(|t| t.squares[origin as usize] == 0)
-            .collect();
-        match (shown, self.photon_unit, self.path_unit) {
-            (Shown::Photons(photons), Some(unit), _) => {
-                for chunk in photons.chunks(CHUNK) {
-                    let intake = self.intake(unit);
-                    let deposits: Vec<_> = chunk.par_iter().map(|p| intake.photon(p)).collect();
-                    self.deposit(deposits, unit, origin, Some(&fresh));
-                }
+    /// Fills the tables of links made since, and returns these links.
+    fn show_again(&mut self, recent: &mut Recent, origin: Origin) -> Vec<u32> {
+        for v in &mut recent.vertices {
+            if self.space.nodes[v.leaf as usize].first == 0 {
+                continue;
             }
-            (Shown::Paths(samples), _, Some(unit)) => {
-                let new: Vec<bool> = self
-                    .space
-                    .nodes
-                    .iter()
-                    .map(|n| n.first == 0 && n.visits == [0; 8])
-                    .collect();
-                for chunk in samples.chunks(CHUNK) {
-                    let intake = self.intake(unit);
-                    let deposits: Vec<_> = chunk.par_iter().map(|s| intake.path(s)).collect();
-                    for (leaf, octant) in self.visited(chunk, &deposits).into_iter().flatten() {
-                        if !new[leaf as usize] {
-                            continue;
-                        }
-                        // Known before the cell was made, now also by octant.
-                        let node = &mut self.space.nodes[leaf as usize];
-                        if node.visits_before > 0 {
-                            node.visits_before -= 1;
-                            node.visits[octant as usize] += 1;
-                        }
-                    }
-                    self.deposit(deposits, unit, origin, Some(&fresh));
-                }
+            let (leaf, octant) = self.space.leaf_below(v.leaf, v.key);
+            v.leaf = leaf;
+            // Known before the cell was made, now also by octant.
+            let node = &mut self.space.nodes[leaf as usize];
+            if node.visits_before > 0 {
+                node.visits_before -= 1;
+                node.visits[octant as usize] += 1;
             }
-            _ => {}
         }
-        fresh
+        let unit = match origin {
+            Origin::Photon => self.photon_unit,
+            Origin::Path => self.path_unit,
+        };
+        let Some(unit) = unit else {
+            return Vec::new();
+        };
+        let order = self.descend(&recent.deposits, &mut recent.places, false);
+        self.add_up(&recent.deposits, &order, (unit, origin), true);
+        let links = order.chunk_by(|a, b| a >> 32 == b >> 32);
+        links.map(|run| (run[0] >> 32) as u32).collect()
+    }
+
+    /// Brings records down from their places to the leaves of P. Returns all of them, or those that
+    /// moved: link number in the upper half, record in the lower, sorted.
+    pub(crate) fn descend(
+        &self,
+        deposits: &[Deposit],
+        places: &mut [Place],
+        all: bool,
+    ) -> Vec<u64> {
+        let (nodes, grid) = (&self.product.nodes, &self.space.grid);
+        let mut order: Vec<u64> = places
+            .par_iter_mut()
+            .zip(deposits)
+            .enumerate()
+            .filter_map(|(i, (place, d))| {
+                let before = place.node;
+                while let Some(next) = step(nodes, grid, d.key, d.code, *place) {
+                    *place = next;
+                }
+                let link = u64::from(nodes[place.node as usize].first);
+                (all || place.node != before).then_some(link << 32 | i as u64)
+            })
+            .collect();
+        order.par_sort_unstable();
+        order
     }
 }

@@ -34,7 +34,7 @@ pub(crate) const CELL_BYTES: usize = GROUPS * (12 + size_of::<Entry>()) + 16;
 /// Where a cell and base direction enter P.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Entry {
-    pub node: u32,
+    pub node: Node,
     pub space_level: u8,
     pub direction_level: u8,
 }
@@ -250,11 +250,14 @@ impl Field {
     pub(crate) fn slot(&self, slot: usize) -> (DirectionCell, u32) {
         let packed = self.cells_q[slot];
         let q = DirectionCell::containing(packed & !0xf, (packed & 0xf) as u8);
-        let model = if self.model_of.is_empty() {
-            0
-        } else {
-            self.model_of[slot]
-        };
-        (q, model)
+        (q, self.model(slot))
+    }
+
+    #[inline]
+    pub(crate) fn model(&self, slot: usize) -> u32 {
+        if self.model_of.is_empty() {
+            return 0;
+        }
+        self.model_of[slot]
     }
 }

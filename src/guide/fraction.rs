@@ -15,6 +15,8 @@ use crate::math::{Rgb, Vec3};
 /// Bounds of the fraction: neither strategy may vanish.
 pub const FLOOR: f32 = 0.1;
 
+/// The fraction before anything was learned.
+const UNKNOWN: f32 = 0.5;
 const RATE: f64 = 0.01;
 const BETA1: f64 = 0.9;
 const BETA2: f64 = 0.999;
@@ -73,6 +75,11 @@ impl Adam {
         sound.then_some(adam)
     }
 
+    /// The fraction that it stands for.
+    fn share(&self) -> f32 {
+        (sigmoid(self.logit) as f32).clamp(FLOOR, 1.0 - FLOOR)
+    }
+
     fn step(&mut self, gradient: f64) {
         self.steps = self.steps.saturating_add(1);
         let n = self.steps.min(1 << 20) as i32;
@@ -91,13 +98,28 @@ impl Adam {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fractions {
     cells: Vec<Adam>,
+    /// What the cells come to, ready to be asked for.
+    shares: Vec<f32>,
 }
 
 impl Fractions {
     /// One half everywhere.
     pub fn new(field: &Field) -> Self {
+        let cells = field.cell_count() as usize;
         Self {
-            cells: vec![Adam::default(); field.cell_count() as usize],
+            cells: vec![Adam::default(); cells],
+            shares: vec![UNKNOWN; cells],
+        }
+    }
+
+    /// The fractions for a field that refines the one they were learned for: every cell starts with what
+    /// the cell that it was part of has learned.
+    pub fn carried_over(&self, from: &Field, to: &Field) -> Self {
+        let part_of = |&key: &u64| from.cell_of_key(key) as usize;
+        let old: Vec<usize> = to.cell_key.iter().map(part_of).collect();
+        Self {
+            cells: old.iter().map(|&c| self.cells[c]).collect(),
+            shares: old.iter().map(|&c| self.shares[c]).collect(),
         }
     }
 
@@ -105,10 +127,7 @@ impl Fractions {
     /// [`FLOOR`] and 1 - [`FLOOR`]. A cell of another field gives 1/2.
     #[inline]
     pub fn fraction(&self, cell: u32) -> f32 {
-        let Some(c) = self.cells.get(cell as usize) else {
-            return 0.5;
-        };
-        (sigmoid(c.logit) as f32).clamp(FLOOR, 1.0 - FLOOR)
+        self.shares.get(cell as usize).copied().unwrap_or(UNKNOWN)
     }
 
     /// The states of some cells.
@@ -122,6 +141,7 @@ impl Fractions {
         for (&c, state) in cells.iter().zip(states) {
             if let Some(cell) = self.cells.get_mut(c as usize) {
                 *cell = *state;
+                self.shares[c as usize] = state.share();
             }
         }
     }
@@ -155,6 +175,9 @@ impl Fractions {
             }
             let gradient = -(f / p) * (guide - bsdf) / mixture;
             adam.step(gradient * a * (1.0 - a) + DECAY * adam.logit);
+        }
+        for (share, adam) in self.shares.iter_mut().zip(&self.cells) {
+            *share = adam.share();
         }
     }
 }

@@ -251,13 +251,14 @@ impl Trainer {
             field.cell_flux.extend(flux.iter().map(|f| f.y));
             field.cell_flux.extend(flux.iter().map(|f| f.z));
             for g in 0..groups {
-                field.cell_entry.push(self.entry(node.prefix, g));
+                let entry = self.entry(&field.nodes, node.prefix, g);
+                field.cell_entry.push(entry);
             }
         }
     }
 
     /// The node of P below which only finer directions and this cell's own splits remain.
-    fn entry(&self, key: u64, group: usize) -> Entry {
+    fn entry(&self, packed: &[Node], key: u64, group: usize) -> Entry {
         let base = self.traits.base_level;
         let code = ((group as u64) << (2 * u32::from(CODE_LEVELS - base))) as u32;
         let mut at = Place::ROOT;
@@ -268,7 +269,7 @@ impl Trainer {
                 Some(next) if !done => at = next,
                 _ => {
                     return Entry {
-                        node: at.node,
+                        node: packed[at.node as usize],
                         space_level: at.space_level,
                         direction_level: at.direction_level,
                     };
@@ -302,6 +303,7 @@ fn blend(child: DVec3, parent: DVec3, weight: f64, measure: f64) -> DVec3 {
     )
 }
 
+/// P as the field has it. A node keeps its number, as `entry` knows it by that.
 fn pack_nodes(product: &Product, slot_of: &[u32]) -> Vec<Node> {
     product
         .nodes

@@ -102,7 +102,7 @@ impl Product {
     }
 
     /// The leaf link that holds a position and a direction.
-    #[inline]
+    #[cfg(test)]
     pub fn find(&self, grid: &Grid, key: u64, code: u32) -> u32 {
         let mut at = Place::ROOT;
         while let Some(next) = step(&self.nodes, grid, key, code, at) {

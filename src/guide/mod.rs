@@ -47,7 +47,7 @@
 //! trainer.set_surface(&floor, 1.0);
 //! for _ in 0..4 {
 //!     trainer.train(&photons, photons.len() as u64); // train
-//!     trainer.refine_with(&photons, 4); // refine
+//!     trainer.refine_rounds(4); // refine
 //! }
 //! let field = trainer.freeze();
 //!
@@ -84,7 +84,7 @@
 //!   divergence of five (0.016 against 0.009), splitting noise.
 //! * **After a split.** A child starts with its share of the parent's flux, which the table knows, to the
 //!   last quantum: no photon is forgotten, and estimates on trees of mixed levels stay right. Its own
-//!   table starts empty. [`Trainer::refine_with`] therefore shows the batch again to new links (without
+//!   table starts empty. [`Trainer::refine_rounds`] therefore shows the batch again to new links (without
 //!   counting it twice) and refines up to a few rounds a batch: four rounds instead of one, with batches
 //!   that double, take the cross-entropy from +0.05 to -0.48; 16 equal batches reach -0.42.
 //! * **Empty children are dim, not black.** When freezing, each node of P spreads one photon's worth of

@@ -217,14 +217,15 @@ impl<'f> LocalField<'f> {
             return 0.25 / PI;
         }
         let code = direction_code(w);
-        let (slot, group) = self.find(code);
-        let (q, model) = self.field.slot(slot);
+        let (slot, group, level) = self.find(code);
+        let q = DirectionCell::containing(code, level);
+        let model = self.field.model(slot);
         self.defended(self.link_pdf(slot, group, q, model, w))
     }
 
-    /// The slot of the link that holds a direction, and its base cell.
+    /// The slot of the link that holds a direction, its base cell, and the level of its direction cell.
     #[inline]
-    fn find(&self, code: u32) -> (usize, usize) {
+    fn find(&self, code: u32) -> (usize, usize, u8) {
         let field = self.field;
         let group = if field.groups == GROUPS {
             code >> 28
@@ -233,11 +234,11 @@ impl<'f> LocalField<'f> {
         } as usize;
         let entry = field.cell_entry[self.cell as usize * field.groups + group];
         let (mut space, mut direction) = (entry.space_level, entry.direction_level);
-        let mut n = field.nodes[entry.node as usize].0;
+        let mut n = entry.node.0;
         loop {
             let first = n >> 2;
             match n & 3 {
-                0 => return (first as usize, group),
+                0 => return (first as usize, group, direction),
                 1 => {
                     n = field.nodes[(first + field.grid.octant(self.key, space)) as usize].0;
                     space += 1;

@@ -124,8 +124,8 @@ impl Trainer {
         self.stats.refit(&regions, &self.table);
     }
 
-    /// The splits of a round, without refitting models; of the marked links only, if any are.
-    pub(crate) fn divide(&mut self, only: Option<&[bool]>) -> Refined {
+    /// The splits of a round, without refitting models; of the links `only`, if there are any.
+    pub(crate) fn divide(&mut self, only: Option<&[u32]>) -> Refined {
         let mut candidates = self.candidates(only);
         candidates
             .sort_unstable_by(|a, b| b.per_byte.total_cmp(&a.per_byte).then(a.name.cmp(&b.name)));
@@ -161,24 +161,27 @@ impl Trainer {
         }
     }
 
-    fn candidates(&self, only: Option<&[bool]>) -> Vec<Candidate> {
+    fn candidates(&self, only: Option<&[u32]>) -> Vec<Candidate> {
         let totals = [Origin::Photon, Origin::Path].map(|origin| {
             let flux = self.tallies.iter().map(|t| self.flux(t, origin));
             flux.sum::<f64>()
         });
-        (0..self.tallies.len() as u32)
-            .into_par_iter()
-            .filter(|&i| only.is_none_or(|o| o[i as usize]))
-            .filter_map(|i| {
-                let offers = self.origins().iter().map(|&o| {
-                    let flux = self.flux(&self.tallies[i as usize], o);
-                    self.candidate(i, o, flux / totals[o as usize])
-                });
-                offers
-                    .flatten()
-                    .reduce(|a, b| if b.per_byte > a.per_byte { b } else { a })
-            })
-            .collect()
+        let best = |i: u32| {
+            let offers = self.origins().iter().map(|&o| {
+                let flux = self.flux(&self.tallies[i as usize], o);
+                self.candidate(i, o, flux / totals[o as usize])
+            });
+            offers
+                .flatten()
+                .reduce(|a, b| if b.per_byte > a.per_byte { b } else { a })
+        };
+        match only {
+            Some(links) => links.par_iter().filter_map(|&i| best(i)).collect(),
+            None => (0..self.tallies.len() as u32)
+                .into_par_iter()
+                .filter_map(best)
+                .collect(),
+        }
     }
 
     fn flux(&self, t: &super::tally::Tally, origin: Origin) -> f64 {

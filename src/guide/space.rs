@@ -243,14 +243,16 @@ impl Space {
         n.visits_before + n.visits.iter().sum::<u64>()
     }
 
-    pub fn leaf(&self, key: u64) -> u32 {
-        let mut node = 0u32;
+    /// The leaf that holds the key, at or below a node that does, and the octant of the leaf.
+    #[inline]
+    pub fn leaf_below(&self, mut node: u32, key: u64) -> (u32, u32) {
         loop {
             let n = &self.nodes[node as usize];
+            let octant = self.grid.octant(key, n.level);
             if n.first == 0 {
-                return node;
+                return (node, octant);
             }
-            node = n.first + self.grid.octant(key, n.level);
+            node = n.first + octant;
         }
     }
 

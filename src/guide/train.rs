@@ -1,6 +1,7 @@
 //! The trainable field: *build* and *train*.
 
-use super::links::{Link, Product, Split};
+use super::again::{Recent, Vertex};
+use super::links::{Link, Place, Product, Split};
 use super::model::{Batch, Region, StatSet, Traits};
 use super::record::{
     Deposit, Dropped, Intake, Origin, PathSample, Photon, SurfacePoint, batch_unit,
@@ -47,6 +48,7 @@ pub struct Trainer {
     pub(crate) photon_unit: Option<SumUnit>,
     pub(crate) path_unit: Option<SumUnit>,
     pub(crate) intakes: Intakes,
+    pub(crate) recent: Recent,
 }
 
 impl Trainer {
@@ -68,6 +70,7 @@ impl Trainer {
             photon_unit: None,
             path_unit: None,
             intakes: Intakes::default(),
+            recent: Recent::default(),
             settings,
         };
         for level in 0..traits.base_level {
@@ -93,9 +96,11 @@ impl Trainer {
         self.settings.scene_hash = hash;
     }
 
-    /// Sets how many batches the records came in: a count of its own, which no sum depends on.
-    pub(crate) fn set_batches(&mut self, batches: u64) {
+    /// Ends training without refining: the records since there were `batches` are no batch, and are not
+    /// kept for a refinement.
+    pub(crate) fn conclude(&mut self, batches: u64) {
         self.intakes.batches = batches;
+        self.recent = Recent::default();
     }
 
     /// What came in so far.
@@ -128,10 +133,11 @@ impl Trainer {
         let Some(unit) = self.photon_unit else {
             return;
         };
+        self.recent.start(Origin::Photon);
         for chunk in photons.chunks(CHUNK) {
             let intake = self.intake(unit);
             let deposits: Vec<_> = chunk.par_iter().map(|p| intake.photon(p)).collect();
-            self.intakes.photons += self.deposit(deposits, unit, Origin::Photon, None);
+            self.intakes.photons += self.deposit(deposits, unit, Origin::Photon);
         }
     }
 
@@ -143,34 +149,34 @@ impl Trainer {
         }
         // Vertices count even while everything is dark: they are the denominator.
         let unit = self.path_unit.unwrap_or(SumUnit::from_exponent(0));
+        self.recent.start(Origin::Path);
         for chunk in samples.chunks(CHUNK) {
             let intake = self.intake(unit);
             let deposits: Vec<_> = chunk.par_iter().map(|s| intake.path(s)).collect();
-            for (leaf, octant) in self.visited(chunk, &deposits).into_iter().flatten() {
-                self.space.nodes[leaf as usize].visits[octant as usize] += 1;
-                self.intakes.paths += 1;
-            }
-            self.deposit(deposits, unit, Origin::Path, None);
+            self.visit(chunk, &deposits);
+            self.deposit(deposits, unit, Origin::Path);
         }
     }
 
-    /// Where each usable sample's vertex lies: leaf of R and octant.
-    pub(crate) fn visited(
-        &self,
-        samples: &[PathSample],
-        deposits: &[Result<Deposit, Dropped>],
-    ) -> Vec<Option<(u32, u32)>> {
+    /// Counts the vertices of usable samples.
+    fn visit(&mut self, samples: &[PathSample], deposits: &[Result<Deposit, Dropped>]) {
         let space = &self.space;
         let place = |(sample, deposit): (&PathSample, &Result<Deposit, Dropped>)| {
-            if !matches!(deposit, Ok(_) | Err(Dropped::Dark)) {
-                return None;
-            }
-            let key = space.grid.key(sample.position, sample.normal);
-            let leaf = space.leaf(key);
-            let level = space.nodes[leaf as usize].level;
-            Some((leaf, space.grid.octant(key, level)))
+            let key = match deposit {
+                Ok(d) => d.key,
+                Err(Dropped::Dark) => space.grid.key(sample.position, sample.normal),
+                Err(_) => return None,
+            };
+            let (leaf, octant) = space.leaf_below(0, key);
+            Some((Vertex { key, leaf }, octant))
         };
-        samples.par_iter().zip(deposits).map(place).collect()
+        let visits: Vec<(Vertex, u32)> =
+            samples.par_iter().zip(deposits).filter_map(place).collect();
+        for (vertex, octant) in &visits {
+            self.space.nodes[vertex.leaf as usize].visits[*octant as usize] += 1;
+        }
+        self.intakes.paths += visits.len() as u64;
+        self.recent.keep_vertices(visits.into_iter().map(|v| v.0));
     }
 
     pub(crate) fn intake(&self, unit: SumUnit) -> Intake<'_> {
@@ -181,33 +187,42 @@ impl Trainer {
         }
     }
 
-    /// Finds each record's link, sorts records by link and adds them up. Returns how many were used.
-    pub(crate) fn deposit(
+    /// Finds each record's link and adds it up there. Returns how many were used.
+    fn deposit(
         &mut self,
         deposits: Vec<Result<Deposit, Dropped>>,
         unit: SumUnit,
         origin: Origin,
-        again: Option<&[bool]>,
     ) -> u64 {
         let mut usable = Vec::with_capacity(deposits.len());
         for d in deposits {
             match d {
                 Ok(d) => usable.push(d),
-                Err(_) if again.is_some() => {}
                 Err(Dropped::NonFinite) => self.intakes.dropped_non_finite += 1,
                 Err(Dropped::BadDirection) => self.intakes.dropped_direction += 1,
                 Err(Dropped::Dark) => {}
             }
         }
+        let mut places = vec![Place::ROOT; usable.len()];
+        let order = self.descend(&usable, &mut places, true);
+        self.add_up(&usable, &order, (unit, origin), false);
+        let count = usable.len() as u64;
+        self.recent.keep(usable, places);
+        count
+    }
+
+    /// Adds records to their links, in the `order` that [`Trainer::descend`] gave. Records that were
+    /// counted before (`again`) only fill tables.
+    pub(crate) fn add_up(
+        &mut self,
+        deposits: &[Deposit],
+        order: &[u64],
+        (unit, origin): (SumUnit, Origin),
+        again: bool,
+    ) {
         let (product, space) = (&self.product, &self.space);
-        let mut order: Vec<u64> = usable
-            .par_iter()
-            .enumerate()
-            .map(|(i, d)| u64::from(product.find(&space.grid, d.key, d.code)) << 32 | i as u64)
-            .collect();
-        order.par_sort_unstable();
         let batch = Batch {
-            deposits: &usable,
+            deposits,
             links: &product.links,
             regions: &|link| region(space, link),
             octant: &|link, key| {
@@ -220,8 +235,7 @@ impl Trainer {
             again,
         };
         self.stats
-            .accumulate(&batch, &order, &mut self.tallies, &mut self.table);
-        usable.len() as u64
+            .accumulate(&batch, order, &mut self.tallies, &mut self.table);
     }
 
     pub(crate) fn table_stride(&self) -> usize {

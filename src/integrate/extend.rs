@@ -142,7 +142,7 @@ pub fn extend(
             file.trainer.train_paths(&lessons.samples);
         }
     }
-    file.trainer.set_batches(batches);
+    file.trainer.conclude(batches);
     Ok((file, counts))
 }
 

@@ -1,6 +1,10 @@
-//! Learning the field before rendering: batches of photons, refined after each, frozen at the end.
+//! Learning the field: from photons before rendering, then from camera paths.
 //!
-//! Batches double: early ones are cheap and shape the trees coarsely, later ones fill them.
+//! Photons come first, in batches that double: early ones are cheap and shape the trees coarsely, later
+//! ones fill them. Camera paths guided by what is known so far then teach the rest, above all what the
+//! camera sees and photons hardly reach. They are samples of the image like any other: whoever renders
+//! hands the [`Lessons`] of its first passes to a [`Learner`] and renders the next pass with what that
+//! has learned ([`super::render`] does). [`learn`] makes paths of its own, for a field without an image.
 
 use super::guiding::Guide;
 use super::importance;
@@ -61,6 +65,88 @@ pub struct Learned {
     pub elapsed: Duration,
 }
 
+/// A field that is being learned, and can be asked meanwhile.
+#[derive(Debug)]
+pub struct Learner {
+    trainer: Trainer,
+    guide: Guide,
+    paths: u64,
+    taught: u64,
+    counts: PhotonCounts,
+    elapsed: Duration,
+}
+
+impl Learner {
+    /// Learns from photons, where the paths of `view` may come.
+    ///
+    /// # Errors
+    /// When the scene's bounds are empty or a setting is out of range.
+    pub fn new(view: &View, settings: &LearnSettings) -> Result<Self, GuideError> {
+        let start = Instant::now();
+        let scene = view.scene;
+        let mut trainer = prepare(scene, settings)?;
+        if settings.photons > 0 {
+            trainer.set_importance_sample(&importance::met_by_camera(view), importance::PER_CELL);
+        }
+        let mut counts = PhotonCounts::default();
+        for photons in batches(settings.photons, settings.batches) {
+            let emitted = photons.end - photons.start;
+            let (landed, batch) = trace_batch(scene, settings, photons);
+            counts += batch;
+            trainer.train(&landed, emitted);
+            trainer.refine_rounds(ROUNDS);
+        }
+        Ok(Self {
+            guide: Guide::new(trainer.freeze()),
+            trainer,
+            paths: settings.paths,
+            taught: 0,
+            counts,
+            elapsed: start.elapsed(),
+        })
+    }
+
+    /// What is known so far.
+    pub fn guide(&self) -> &Guide {
+        &self.guide
+    }
+
+    /// Whether more camera paths are wanted.
+    pub fn wants_more(&self) -> bool {
+        self.taught < self.paths
+    }
+
+    /// Learns from `paths` camera paths that were guided by what was known until now.
+    pub fn take(&mut self, lessons: &Lessons, paths: u64) {
+        let start = Instant::now();
+        self.taught = self.taught.saturating_add(paths);
+        self.trainer.train_paths(&lessons.samples);
+        self.trainer.refine_rounds(ROUNDS);
+        self.guide
+            .fractions
+            .update(&self.guide.field, &lessons.fractions);
+        let field = self.trainer.freeze();
+        let fractions = self.guide.fractions.carried_over(&self.guide.field, &field);
+        self.guide = Guide { field, fractions };
+        self.elapsed += start.elapsed();
+    }
+
+    /// What became of the photons.
+    pub fn counts(&self) -> PhotonCounts {
+        self.counts
+    }
+
+    /// The trees in numbers.
+    pub fn stats(&self) -> Stats {
+        self.trainer.stats()
+    }
+
+    /// Wall-clock time that learning took so far, the tracing of camera paths left out.
+    pub fn elapsed(&self) -> Duration {
+        self.elapsed
+    }
+}
+
 /// Learns the light field of a scene, as the paths of `view` will need it. A field that the view has
 /// already is not looked at.
 ///
@@ -68,43 +154,17 @@ pub struct Learned {
 /// When the scene's bounds are empty or a setting is out of range.
 pub fn learn(view: &View, settings: &LearnSettings) -> Result<Learned, GuideError> {
     let start = Instant::now();
-    let mut trainer = prepare(view.scene, settings)?;
-    if settings.photons > 0 {
-        trainer.set_importance_sample(&importance::met_by_camera(view), importance::PER_CELL);
-    }
-    let mut counts = PhotonCounts::default();
-    let photons = batches(settings.photons, settings.batches);
-    let paths = batches(settings.paths, settings.batches);
-    for (photons, paths) in photons.into_iter().zip(paths) {
-        if !photons.is_empty() {
-            let emitted = photons.end - photons.start;
-            let (landed, batch) = trace_batch(view.scene, settings, photons);
-            counts += batch;
-            trainer.train(&landed, emitted);
-            trainer.refine_with(&landed, ROUNDS);
-        }
-        if !paths.is_empty() {
-            let guide =
-                (paths.start > 0 || settings.photons > 0).then(|| Guide::new(trainer.freeze()));
-            let lessons = lessons(view, guide.as_ref(), paths);
-            trainer.train_paths(&lessons.samples);
-            trainer.refine_with_paths(&lessons.samples, ROUNDS);
-        }
-    }
-    let field = trainer.freeze();
-    let stats = trainer.stats();
-    let mut guide = Guide::new(field);
-    if settings.paths > 0 {
-        // The trees stand now: the last round is for the share of samples they get.
-        let count = (settings.paths / 4).max(1);
-        let lessons = lessons(view, Some(&guide), settings.paths..settings.paths + count);
-        guide.fractions.update(&guide.field, &lessons.fractions);
+    let mut learner = Learner::new(view, settings)?;
+    for paths in batches(settings.paths, settings.batches) {
+        let count = paths.end - paths.start;
+        let lessons = lessons(view, Some(learner.guide()), paths);
+        learner.take(&lessons, count);
     }
     Ok(Learned {
-        guide,
-        counts,
-        trainer,
-        stats,
+        stats: learner.stats(),
+        counts: learner.counts,
+        guide: learner.guide,
+        trainer: learner.trainer,
         elapsed: start.elapsed(),
     })
 }
@@ -183,13 +243,14 @@ fn training_ray(view: &View, i: u64) -> (CameraRay, PathSampler) {
 /// Sets the numbers of training paths apart from the image's.
 const TRAINING: u64 = 0x5851_f42d_4c95_7f2d;
 
-/// Cuts `photons` into `count` ranges, each twice as long as the one before.
-fn batches(photons: u64, count: u32) -> Vec<Range<u64>> {
+/// Cuts `records` into `count` ranges, each twice as long as the one before; empty ones are left out.
+fn batches(records: u64, count: u32) -> Vec<Range<u64>> {
     let count = count.clamp(1, 32);
     let shares = (1u64 << count) - 1;
     let end =
-        |i: u32| (u128::from(photons) * u128::from((1u64 << i) - 1) / u128::from(shares)) as u64;
-    (0..count).map(|i| end(i)..end(i + 1)).collect()
+        |i: u32| (u128::from(records) * u128::from((1u64 << i) - 1) / u128::from(shares)) as u64;
+    let ranges = (0..count).map(|i| end(i)..end(i + 1));
+    ranges.filter(|r| !r.is_empty()).collect()
 }
 
 /// Traces a batch, in waves side by side whose landings are joined in photon order.

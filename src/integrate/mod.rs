@@ -18,6 +18,7 @@ pub mod probe;
 pub mod record;
 pub mod render;
 pub mod roulette;
+mod teach;
 pub mod vertex;
 pub mod wave;
 

@@ -72,8 +72,9 @@ struct Record {
 const NONE: u32 = u32::MAX;
 
 /// The records of a wave.
-#[derive(Default)]
 pub struct Records {
+    /// One sample in so many is watched.
+    stride: u32,
     list: Vec<Record>,
     /// By slot, the record that waits for the path's next vertex.
     open: Vec<u32>,
@@ -104,6 +105,9 @@ impl Witness for Records {
     }
 
     fn leave(&mut self, slot: u32, departure: Departure) {
+        if slot % self.stride != 0 {
+            return;
+        }
         let slots = slot as usize + 1;
         if self.open.len() < slots {
             self.open.resize(slots, NONE);
@@ -118,7 +122,22 @@ impl Witness for Records {
     }
 }
 
+impl Default for Records {
+    fn default() -> Self {
+        Self::every(1)
+    }
+}
+
 impl Records {
+    /// Records of one sample in `stride`.
+    pub fn every(stride: u32) -> Self {
+        Self {
+            stride: stride.max(1),
+            list: Vec::new(),
+            open: Vec::new(),
+        }
+    }
+
     /// Turns the records of finished paths into lessons, in the order in which they were made, and
     /// forgets them.
     pub fn conclude(&mut self, outcomes: &[Outcome], lessons: &mut Lessons) {

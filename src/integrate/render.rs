@@ -2,8 +2,11 @@
 
 use super::PathSettings;
 use super::guiding::Guide;
+use super::learn::Learner;
+use super::record::Witness;
+use super::teach::teach;
 use super::vertex::Walk;
-use super::wave::Wave;
+use super::wave::{Outcome, Wave};
 use crate::camera::Camera;
 use crate::film::filter::FilterSampler;
 use crate::film::{Film, FilmDescription, Sample, Tile};
@@ -23,6 +26,14 @@ pub struct Limits {
     pub time: Option<Duration>,
     /// Noise of the image (see [`Film::noise`]).
     pub noise: Option<f32>,
+}
+
+impl Limits {
+    /// Whether the noise after `spp` samples a pixel is as low as was asked for.
+    pub(super) fn are_met_by_noise(&self, spp: u64, noise: Option<f32>) -> bool {
+        let target = self.noise.filter(|_| spp >= MIN_SPP_FOR_NOISE);
+        target.is_some_and(|target| noise.is_some_and(|n| n <= target))
+    }
 }
 
 /// What stopped a render.
@@ -104,7 +115,7 @@ pub struct Summary {
 /// few enough for a core's second-level cache.
 const WAVE_SAMPLES: u64 = 4096;
 /// Most samples a pixel takes in one pass: the interval between looks at the clock.
-const PASS_SPP: u64 = 64;
+pub(super) const PASS_SPP: u64 = 64;
 
 /// What is rendered, and how.
 #[derive(Clone, Copy)]
@@ -134,14 +145,19 @@ impl<'a> View<'a> {
 
 /// Renders until a limit is reached: the tiles that `film` holds, from the first sample on.
 pub fn render(view: &View, film: &mut Film, limits: &Limits, observer: &dyn Observer) -> Summary {
-    resume(view, film, limits, Spent::default(), observer)
+    resume(view, None, film, limits, Spent::default(), observer)
 }
 
 /// Renders on from where `film` is, at a cost of `before` so far, until a limit is reached. Tiles may be
 /// at different samples: each goes on at its own. Sums grow in sample order, so that the film becomes
 /// what it would have become without the interruption.
+///
+/// With a `learner`, the first passes teach it and are guided by it, whatever guide the view has. What it
+/// learns must not depend on which tiles the film holds, nor on where it was interrupted: these passes are
+/// traced from the first on and over the whole film, and fill what is missing in the tiles held.
 pub fn resume(
     view: &View,
+    mut learner: Option<&mut Learner>,
     film: &mut Film,
     limits: &Limits,
     before: Spent,
@@ -153,18 +169,28 @@ pub fn resume(
         view: *view,
         filter: FilterSampler::new(view.film.filter),
         observer,
+        rays_before: before.rays,
         waves: Mutex::new(Vec::new()),
+    };
+    if let Some(learner) = learner.as_deref_mut() {
+        teach(&job, learner, film, limits, &elapsed);
+    }
+    let job = Job {
+        view: View {
+            guide: learner.map_or(view.guide, |l| Some(l.guide())),
+            ..*view
+        },
+        ..job
     };
     let mut spp = film.spp_done();
     // Between passes, where a render that was never interrupted looks at the noise.
     let between = film.held().all(|tile| tile.done == spp);
     let mut noise = film.noise().filter(|_| spp > 0 && between);
     let stopped_by = loop {
-        let clean = |target: f32| spp >= MIN_SPP_FOR_NOISE && noise.is_some_and(|n| n <= target);
         if spp >= limits.spp {
             break StoppedBy::Samples;
         }
-        if limits.noise.is_some_and(clean) {
+        if limits.are_met_by_noise(spp, noise) {
             break StoppedBy::Noise;
         }
         let pass = pass_size(spp, limits, elapsed());
@@ -172,11 +198,7 @@ pub fn resume(
             break StoppedBy::Time;
         }
         while !job.pass(film, spp + pass) && !observer.should_stop() {
-            let spent = Spent {
-                time: elapsed(),
-                rays: before.rays + job.rays(),
-            };
-            observer.paused(&spent, film);
+            observer.paused(&job.spent(elapsed()), film);
         }
         if film.spp_done() < spp + pass {
             break StoppedBy::Interrupt;
@@ -202,7 +224,7 @@ pub fn resume(
         stopped_by,
         spp,
         samples,
-        rays: before.rays + job.rays(),
+        rays: job.spent(elapsed()).rays,
         elapsed: elapsed(),
         noise,
     }
@@ -233,19 +255,25 @@ fn pass_size(done: u64, limits: &Limits, elapsed: Duration) -> u64 {
 }
 
 /// What every tile of a render shares.
-struct Job<'a> {
-    view: View<'a>,
+pub(super) struct Job<'a> {
+    pub(super) view: View<'a>,
     filter: FilterSampler,
-    observer: &'a dyn Observer,
+    pub(super) observer: &'a dyn Observer,
+    /// Rays that an earlier go has traced.
+    rays_before: u64,
     /// Buffers not in use.
     waves: Mutex<Vec<Wave>>,
 }
 
 impl Job<'_> {
-    /// Rays traced by waves that are not in use.
-    fn rays(&self) -> u64 {
+    /// What the render has cost after `time`.
+    pub(super) fn spent(&self, time: Duration) -> Spent {
         let waves = self.waves.lock();
-        waves.map_or(0, |waves| waves.iter().map(Wave::rays_traced).sum())
+        let rays: u64 = waves.map_or(0, |waves| waves.iter().map(Wave::rays_traced).sum());
+        Spent {
+            time,
+            rays: self.rays_before + rays,
+        }
     }
 
     /// Takes the samples of every pixel up to `end`. `false` if the observer stopped or paused it before
@@ -262,49 +290,51 @@ impl Job<'_> {
                 if self.observer.should_stop() || self.observer.should_pause() {
                     return;
                 }
-                // A thread that panicked left a wave behind that nobody will read: go on with a new one.
-                let idle = self.waves.lock().map_or(None, |mut w| w.pop());
-                let mut wave = idle.unwrap_or_default();
-                self.render_tile(tile, range.clone(), &mut wave);
-                tile.done = end;
-                let samples = (range.end - range.start) * tile.pixels.len() as u64;
-                self.observer.tile_done(samples);
-                if let Ok(mut waves) = self.waves.lock() {
-                    waves.push(wave);
-                }
+                self.render_tile(&self.view.walk(), tile, range, &mut (), |(), _| {});
             });
         film.held().all(|t| t.done >= end)
     }
 
-    /// Takes the samples `range` of a tile's pixels, a wave at a time. All samples of a pixel's share
-    /// of a wave stand next to each other: their camera rays make coherent packets.
-    fn render_tile(&self, tile: &mut Tile, range: Range<u64>, wave: &mut Wave) {
-        let per_wave = (WAVE_SAMPLES / tile.pixels.len() as u64).max(1);
+    /// Takes the samples `range` of a tile's pixels, a wave at a time, and adds those that the tile lacks,
+    /// if the film holds it. All samples of a pixel's share of a wave stand next to each other: their
+    /// camera rays make coherent packets. `conclude` sees every wave's outcomes after `witness` has
+    /// watched it.
+    pub(super) fn render_tile<W: Witness>(
+        &self,
+        walk: &Walk,
+        tile: &mut Tile,
+        range: Range<u64>,
+        witness: &mut W,
+        mut conclude: impl FnMut(&mut W, &[Outcome]),
+    ) {
+        // A thread that panicked left a wave behind that nobody will read: go on with a new one.
+        let idle = self.waves.lock().map_or(None, |mut w| w.pop());
+        let mut wave = idle.unwrap_or_default();
+        let pixels = tile.area() as u64;
+        let per_wave = (WAVE_SAMPLES / pixels).max(1);
         let mut from = range.start;
         let mut weights = Vec::new();
         while from < range.end {
             let to = (from + per_wave).min(range.end);
             wave.clear();
             weights.clear();
-            for i in 0..tile.pixels.len() as u32 {
+            for i in 0..pixels as u32 {
                 let (x, y) = (tile.x0 + i % tile.width, tile.y0 + i / tile.width);
                 for sample in from..to {
-                    weights.push(self.start(x, y, sample, wave));
+                    weights.push(self.start(x, y, sample, &mut wave));
                 }
             }
-            let outcomes = wave.trace(&self.view.walk(), &mut ());
-            let share = (to - from) as usize;
-            for (k, (outcome, weight)) in outcomes.iter().zip(&weights).enumerate() {
-                let sample = Sample {
-                    radiance: outcome.radiance,
-                    weight: *weight,
-                    albedo: outcome.first.albedo,
-                    normal: outcome.first.normal,
-                    depth: outcome.first.depth,
-                };
-                tile.add(k / share, from + (k % share) as u64, &sample);
-            }
+            let outcomes = wave.trace(walk, witness);
+            conclude(witness, outcomes);
+            add(tile, from..to, outcomes, &weights);
             from = to;
+        }
+        if tile.is_held() && tile.done < range.end {
+            self.observer.tile_done((range.end - tile.done) * pixels);
+            tile.done = range.end;
+        }
+        if let Ok(mut waves) = self.waves.lock() {
+            waves.push(wave);
         }
     }
 
@@ -322,5 +352,27 @@ impl Job<'_> {
             .ray(center + place.offset, Vec2::new(u[2], u[3]));
         wave.push(ray, sampler);
         place.weight
+    }
+}
+
+/// Adds the samples `range` of all pixels, as far as the tile is held and lacks them.
+fn add(tile: &mut Tile, range: Range<u64>, outcomes: &[Outcome], weights: &[f32]) {
+    if !tile.is_held() {
+        return;
+    }
+    let share = (range.end - range.start) as usize;
+    for (k, (outcome, weight)) in outcomes.iter().zip(weights).enumerate() {
+        let index = range.start + (k % share) as u64;
+        if index < tile.done {
+            continue;
+        }
+        let sample = Sample {
+            radiance: outcome.radiance,
+            weight: *weight,
+            albedo: outcome.first.albedo,
+            normal: outcome.first.normal,
+            depth: outcome.first.depth,
+        };
+        tile.add(k / share, index, &sample);
     }
 }

@@ -7,8 +7,9 @@
 //! cell of level `l` covers exactly 4 pi / 4^l steradians and a uniform direction inside it costs two
 //! random numbers. Nowhere is it singular: no pole where cells degenerate, no azimuth that wraps.
 
+use super::special::quarter_turn;
 use glam::{Vec2, Vec3};
-use std::f32::consts::{FRAC_2_PI, FRAC_PI_4, PI};
+use std::f32::consts::{FRAC_PI_4, PI};
 
 /// Levels that a direction code resolves: 16 bits an axis.
 pub const CODE_LEVELS: u8 = 16;
@@ -41,7 +42,7 @@ pub fn sphere_to_square(w: Vec3) -> Vec2 {
     let phi = if x == 0.0 && y == 0.0 {
         0.5
     } else {
-        y.atan2(x) * FRAC_2_PI
+        quarter_turn(x, y)
     };
     let v = phi * r;
     let u = r - v;

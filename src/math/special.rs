@@ -1,4 +1,6 @@
-//! The error function and its inverse, in single precision: what sampling Beckmann's microfacets needs.
+//! Functions in single precision that the standard library lacks or has too slowly: the error function and
+//! its inverse, which sampling Beckmann's microfacets needs, and an angle, which finding a direction's cell
+//! needs several times at every vertex.
 
 /// erf(x), with an absolute error below 3e-7 (Abramowitz and Stegun 1964, 7.1.26).
 ///
@@ -26,6 +28,33 @@ pub fn erf_inv(y: f32) -> f32 {
         y * polynomial(&TAIL, w.sqrt() - 3.0)
     }
 }
+
+/// The angle of the vector `(x, y)`, both not negative and not both 0, as a share of a right angle: 0 along
+/// x, 1 along y. Absolute error below 2e-7. Four times as fast as `atan2`, and the same bits wherever it runs.
+///
+/// ```
+/// assert!((twintree::math::special::quarter_turn(1.0, 1.0) - 0.5).abs() < 2e-7);
+/// ```
+#[inline]
+pub fn quarter_turn(x: f32, y: f32) -> f32 {
+    let t = x.min(y) / x.max(y);
+    let share = t * polynomial(&ARC_TANGENT, t * t);
+    if y > x { 1.0 - share } else { share }
+}
+
+/// 2/pi atan(t)/t as a polynomial in t^2 on `[0, 1]`, highest power first: the best of degree 8, by Remez'
+/// exchange.
+const ARC_TANGENT: [f32; 9] = [
+    1.848_461_1e-3,
+    -1.036_609_3e-2,
+    2.739_972_6e-2,
+    -4.796_088e-2,
+    6.782_979e-2,
+    -9.044_542e-2,
+    1.272_797_3e-1,
+    -2.122_050_7e-1,
+    6.366_197_5e-1,
+];
 
 /// The largest f32 below 1.
 const ALMOST_ONE: f32 = 1.0 - f32::EPSILON * 0.5;
@@ -64,6 +93,21 @@ fn polynomial(coefficients: &[f32; 9], x: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn quarter_turn_is_the_angle() {
+        for i in 0..=100_000 {
+            let (sin, cos) = (f64::from(i) * 1e-5 * std::f64::consts::FRAC_PI_2).sin_cos();
+            let (x, y) = (cos.max(0.0) as f32, sin as f32);
+            let expected = f64::from(y).atan2(f64::from(x)) * std::f64::consts::FRAC_2_PI;
+            assert!(
+                (f64::from(quarter_turn(x, y)) - expected).abs() < 2e-7,
+                "{i}"
+            );
+        }
+        assert_eq!(quarter_turn(0.0, 1e-30), 1.0);
+        assert_eq!(quarter_turn(1e30, 0.0), 0.0);
+    }
 
     #[test]
     fn erf_matches_tabulated_values() {

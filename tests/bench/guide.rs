@@ -59,7 +59,7 @@ fn trainer(model: ModelKind) -> Trainer {
     for i in 0..8 {
         let p = photons(8000 << i, i as u64);
         t.train(&p, p.len() as u64);
-        t.refine_with(&p, 4);
+        t.refine_rounds(4);
     }
     t
 }

@@ -1,6 +1,7 @@
 //! What a user at the terminal notices: exit codes, messages, files.
 
 mod benching;
+mod checkpoints;
 mod comparing;
 mod errors;
 mod fields;
@@ -8,5 +9,6 @@ mod generated;
 mod inspect;
 mod messages;
 mod outputs;
+mod shards;
 mod stopping;
 mod support;

@@ -1,6 +1,6 @@
 //! What ends a render.
 
-use super::support::{Place, Ran, read_exr, wait};
+use super::support::{Place, Ran, read_exr, signal, wait};
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, Command};
 
@@ -58,14 +58,6 @@ fn endless(place: &Place) -> (Child, BufReader<impl Read>) {
         );
     }
     (child, messages)
-}
-
-fn signal(child: &Child, name: &str) {
-    // The shell's own `kill`: a minimal Debian has no other.
-    let status = Command::new("sh")
-        .args(["-c", &format!("kill -{name} {}", child.id())])
-        .status();
-    assert!(status.unwrap().success());
 }
 
 #[test]

@@ -139,6 +139,15 @@ impl Ran {
     }
 }
 
+/// Sends a signal, by its name without `SIG`.
+pub fn signal(child: &Child, name: &str) {
+    // The shell's own `kill`: a minimal Debian has no other.
+    let status = Command::new("sh")
+        .args(["-c", &format!("kill -{name} {}", child.id())])
+        .status();
+    assert!(status.unwrap().success());
+}
+
 /// Waits for the end of a program, but not for ever.
 pub fn wait(mut child: Child) -> Ran {
     let start = Instant::now();

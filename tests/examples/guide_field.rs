@@ -65,7 +65,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let emitted = 4000usize << batch;
         let landed = photons(emitted, &mut rng);
         trainer.train(&landed, emitted as u64);
-        trainer.refine_with(&landed, 4);
+        trainer.refine_rounds(4);
     }
     let stats = trainer.stats();
     println!(

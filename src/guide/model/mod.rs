@@ -108,8 +108,8 @@ pub(crate) struct Batch<'a> {
     pub origin: Origin,
     /// Whether these records train the models (they do not where another origin does).
     pub models: bool,
-    /// The records have been counted before: they only fill the tables of the links marked here.
-    pub again: Option<&'a [bool]>,
+    /// The records have been counted before: they only fill tables.
+    pub again: bool,
 }
 
 /// Adds the records `order` (link number in the upper half, record in the lower; sorted) to their
@@ -153,9 +153,6 @@ fn accumulate_chunk<M: LocalModel>(batch: &Batch, order: &[u64], slots: Slots<M:
     let half = (stride - 8 * fine) * batch.origin as usize;
     for run in order.chunk_by(|a, b| a >> 32 == b >> 32) {
         let number = (run[0] >> 32) as usize;
-        if batch.again.is_some_and(|fresh| !fresh[number]) {
-            continue;
-        }
         let link = &batch.links[number];
         let region = (batch.regions)(link);
         let i = number - slots.first as usize;
@@ -167,7 +164,7 @@ fn accumulate_chunk<M: LocalModel>(batch: &Batch, order: &[u64], slots: Slots<M:
             let d = &batch.deposits[*o as u32 as usize];
             let cell = (batch.octant)(link, d.key) as usize * fine
                 + ((d.code >> down) as usize & (fine - 1));
-            if batch.again.is_some() {
+            if batch.again {
                 add_to_table(tally, table, cell, batch.origin, d);
                 continue;
             }

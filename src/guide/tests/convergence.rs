@@ -91,7 +91,7 @@ fn showing_a_batch_again_refines_deeper_without_counting_twice() {
             let n = 2000usize << i;
             let p = disk_light(LIGHT, RADIUS, n, u64::from(i));
             t.train(&p, n as u64);
-            t.refine_with(&p, rounds);
+            t.refine_rounds(rounds);
         }
         t
     };
@@ -137,7 +137,7 @@ fn camera_paths_alone_learn_the_light_too() {
             .collect();
         vertices += samples.len() as u64;
         t.train_paths(&samples);
-        t.refine_with_paths(&samples, 4);
+        t.refine_rounds(4);
         assert_eq!(t.space.visits(0), vertices);
         errors.push(divergence(&t.freeze()));
     }

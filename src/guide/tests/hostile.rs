@@ -26,7 +26,7 @@ fn check(settings: Settings, place: impl Fn(&mut Pcg32) -> Vec3) -> Trainer {
         assert!(t.bytes() <= t.settings().memory);
         for p in &p[..200] {
             let key = t.space.grid.key(p.position, p.normal);
-            let leaf = &t.space.nodes[t.space.leaf(key) as usize];
+            let leaf = &t.space.nodes[t.space.leaf_below(0, key).0 as usize];
             assert!(leaf.level <= t.space.grid.max_level);
         }
     }
@@ -193,7 +193,9 @@ fn cells_that_no_camera_meets_are_not_refined() {
         t.train(&photons(i), 50_000);
         t.refine();
     }
-    let level = |x: Vec3| t.space.nodes[t.space.leaf(t.space.grid.key(x, Vec3::Z)) as usize].level;
+    let level = |x: Vec3| {
+        t.space.nodes[t.space.leaf_below(0, t.space.grid.key(x, Vec3::Z)).0 as usize].level
+    };
     assert!(level(Vec3::new(0.45, 0.45, 0.25)) >= 3);
     assert_eq!(level(Vec3::new(0.55, 0.55, 0.25)), 1);
 }

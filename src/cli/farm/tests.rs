@@ -1,0 +1,115 @@
+//! Words go where they belong, and every shell command means what was typed.
+
+use super::plan::{Plan, quote};
+use super::words::{Words, sort};
+use crate::cli::args::{Cli, Command};
+use crate::cli::part_args::FarmArgs;
+use clap::Parser;
+
+fn typed(line: &str) -> Vec<String> {
+    line.split_whitespace().map(str::to_owned).collect()
+}
+
+fn farm(line: &str) -> FarmArgs {
+    let words = ["twintree", "farm", "--format", "slurm"].into_iter();
+    let cli = Cli::try_parse_from(words.chain(line.split_whitespace())).unwrap();
+    match cli.command {
+        Command::Farm(args) => args,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn words_are_sorted_by_who_needs_them() {
+    let line = "--spp 64 room.xml -o a.exr --guide double -D x=1 -D y=-2 --aov albedo,depth --lenient \
+                --exposure -1.5 -o b.png --stats s.json --checkpoint 5m --resume -j 3 --quiet";
+    let words = sort(&typed(line)).unwrap();
+    let expected = Words {
+        scene: "room.xml".into(),
+        render: typed("--spp 64 --define x=1 --define y=-2 --lenient --guide double --quiet"),
+        merge: typed("--aov albedo,depth --exposure=-1.5 --stats s.json"),
+        outputs: typed("a.exr b.png"),
+        checkpoint: Some("5m".into()),
+        threads: Some("3".into()),
+    };
+    assert_eq!(words, expected);
+}
+
+/// What is sorted and put together again says what was said: clap itself is the judge.
+#[test]
+fn commands_of_shards_and_merge_parse_back() {
+    let plan = Plan::new(
+        &farm("--shards 3 room.xml --spp 9 --width 40 -o a.exr --format float"),
+        Some(2),
+    )
+    .unwrap();
+    let as_typed = |command: &str| -> Vec<String> {
+        let command = command.replace("\"${TWINTREE:-twintree}\"", "twintree");
+        command
+            .split_whitespace()
+            .map(|w| w.replace('"', ""))
+            .collect()
+    };
+    let shard = Cli::try_parse_from(as_typed(&plan.shard("1", Some("2")))).unwrap();
+    let Command::Render(render) = shard.command else {
+        panic!()
+    };
+    assert_eq!(render.parts.shard.unwrap().to_string(), "1/3");
+    assert_eq!(
+        render.files.output,
+        [std::path::PathBuf::from("a.exr.parts/1-of-3.exr")]
+    );
+    assert_eq!((render.stop.spp, render.picture.width), (Some(9), Some(40)));
+    assert!(render.parts.resume && render.parts.checkpoint.is_some());
+    let merge = Cli::try_parse_from(as_typed(&plan.merge())).unwrap();
+    let Command::Merge(merge) = merge.command else {
+        panic!()
+    };
+    assert_eq!(
+        merge.parts,
+        [std::path::PathBuf::from("a.exr.parts/*-of-3.exr")]
+    );
+    assert_eq!(merge.files.output, [std::path::PathBuf::from("a.exr")]);
+    assert_eq!((plan.threads.as_deref(), plan.slots), (Some("2"), 3));
+}
+
+#[test]
+fn what_a_farm_cannot_do_is_refused_with_a_reason() {
+    for (line, why) in [
+        ("a.xml --time 3m", "--spp"),
+        ("a.xml --noise 0.1", "--spp"),
+        ("a.xml --shard 0/3", "--shards"),
+        ("a.xml --preview tev", "no image to show"),
+        ("a.xml --ssp 3", "--ssp"),
+        ("--spp 3", "<SCENE>"),
+        ("a{{b}}.xml", "job file"),
+    ] {
+        let text = sort(&typed(line)).unwrap_err().text().unwrap();
+        assert!(text.contains(why), "{line}: {text}");
+    }
+}
+
+#[test]
+fn odd_names_stay_one_word_in_a_shell() {
+    let odd = [
+        "a b.xml", "it's", "$HOME", "`x`", "\"", "*", "", "\\", "a;b", "é",
+    ];
+    let line: Vec<String> = odd.iter().map(|word| quote(word)).collect();
+    let script = format!("for word in {}; do echo \"$word\"; done", line.join(" "));
+    let shell = std::process::Command::new("sh")
+        .args(["-c", &script])
+        .output()
+        .unwrap();
+    // `echo` of some shells reads backslashes; a single one at the end is kept by all of them.
+    let echoed = String::from_utf8(shell.stdout).unwrap();
+    assert_eq!(echoed.lines().collect::<Vec<_>>(), odd);
+}
+
+#[test]
+fn jobs_have_names_that_every_queue_takes() {
+    for (image, name) in [("out/Küche 2.exr", "k-che-2"), ("---.exr", "twintree")] {
+        let mut args = farm("scene.xml");
+        args.render.extend(["-o".into(), image.into()]);
+        assert_eq!(Plan::new(&args, None).unwrap().name, name);
+    }
+}

@@ -1,0 +1,106 @@
+//! The first passes of a guided render: they teach the field while they draw the image.
+//!
+//! A pass is guided by what the passes before it have taught, so each is an unbiased estimate given the
+//! ones before, and so is their sum. Passes double: the samples of the early ones, which know little, are
+//! soon few beside the rest.
+
+use super::guiding::Guide;
+use super::learn::Learner;
+use super::record::{Lessons, Records};
+use super::render::{Job, Limits, PASS_SPP, Progress};
+use super::vertex::Walk;
+use crate::film::Film;
+use rayon::prelude::*;
+use std::ops::Range;
+use std::time::Duration;
+
+/// Most paths of a pass that teach. What more of them tell is not worth the memory, some 400 bytes each.
+const MOST_PUPILS: u64 = 1 << 19;
+
+/// Renders passes and teaches the learner, until it wants no more or a limit is reached. The passes' sizes
+/// depend on the limit in samples alone; when the time gets short, learning ends early.
+pub(super) fn teach(
+    job: &Job,
+    learner: &mut Learner,
+    film: &mut Film,
+    limits: &Limits,
+    elapsed: &dyn Fn() -> Duration,
+) {
+    let pixels = u64::from(film.width()) * u64::from(film.height());
+    let mut from = 0;
+    while learner.wants_more() && from < limits.spp {
+        let begin = elapsed();
+        let to = from + from.clamp(1, PASS_SPP).min(limits.spp - from);
+        let paths = pixels * (to - from);
+        let stride = paths.div_ceil(MOST_PUPILS);
+        let Some(lessons) = pass(job, film, from..to, learner.guide(), stride as u32) else {
+            return;
+        };
+        if to == limits.spp {
+            return;
+        }
+        learner.take(&lessons, paths / stride);
+        from = to;
+        let progress = Progress {
+            spp: film.spp_done(),
+            spp_limit: limits.spp,
+            samples: film.samples_done(),
+            elapsed: elapsed(),
+            noise: film.noise(),
+        };
+        job.observer.pass_done(&progress, film);
+        if job.observer.should_pause() {
+            job.observer.paused(&job.spent(elapsed()), film);
+        }
+        if limits.are_met_by_noise(progress.spp, progress.noise) {
+            return;
+        }
+        // The next pass takes twice as long.
+        let time_is_short = |t| elapsed() + 2 * (elapsed() - begin) > t;
+        if limits.time.is_some_and(time_is_short) {
+            return;
+        }
+    }
+}
+
+/// Takes the samples `range` of every pixel, guided by `guide`; one in `stride` teaches. `None` if the
+/// observer stopped it before all tiles were there.
+fn pass(
+    job: &Job,
+    film: &mut Film,
+    range: Range<u64>,
+    guide: &Guide,
+    stride: u32,
+) -> Option<Lessons> {
+    let walk = Walk {
+        guide: Some(guide),
+        ..job.view.walk()
+    };
+    let tiles: Vec<Option<Lessons>> = film
+        .tiles_mut()
+        .par_iter_mut()
+        .with_max_len(1)
+        .map(|tile| {
+            if job.observer.should_stop() {
+                return None;
+            }
+            let mut lessons = Lessons::default();
+            let mut records = Records::every(stride);
+            job.render_tile(
+                &walk,
+                tile,
+                range.clone(),
+                &mut records,
+                |records, outcomes| {
+                    records.conclude(outcomes, &mut lessons);
+                },
+            );
+            Some(lessons)
+        })
+        .collect();
+    let mut all = Lessons::default();
+    for lessons in tiles {
+        all.append(lessons?);
+    }
+    Some(all)
+}
