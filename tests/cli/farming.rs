@@ -73,7 +73,7 @@ fn other_formats_name_scene_shards_and_image() {
         ] {
             assert!(job.contains(part), "{part}: {job}");
         }
-        assert_eq!(job.contains("me/twin"), format == "k8s");
+        assert_eq!(job.contains("image: \"me/twin\""), format == "k8s");
         assert!(!job.contains("{{{") && !job.contains('\t'), "{job}");
     }
 }
