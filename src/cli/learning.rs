@@ -11,6 +11,7 @@ use crate::integrate::extend::{check_scene, to_guide};
 use crate::integrate::guiding::Guide;
 use crate::integrate::learn::{Learned, Learner, learn};
 use crate::integrate::render::View;
+use crate::integrate::trial;
 use crate::photon::PhotonCounts;
 use crate::report::words;
 use crate::scene::Scene;
@@ -149,6 +150,17 @@ pub fn describe(learner: &Learner) {
         words::bytes(learner.guide().field.bytes()),
         words::time(learner.elapsed().as_secs_f64()),
     );
+    let Some(verdict) = learner.verdict() else {
+        return;
+    };
+    match verdict.pays() {
+        true => tracing::info!("guiding takes {:.2} of the work", 1.0 / verdict.gain()),
+        false => tracing::info!(
+            "guiding would take {:.1} times the work here: it was stopped after {} samples a pixel",
+            1.0 / verdict.gain(),
+            trial::AFTER
+        ),
+    }
 }
 
 /// Learns a field and says what came of it.

@@ -10,6 +10,7 @@ use super::guiding::Guide;
 use super::importance;
 use super::record::{Lessons, Records};
 use super::render::View;
+use super::trial::Verdict;
 use super::vertex::Walk;
 use super::wave::Wave;
 use crate::camera::CameraRay;
@@ -73,6 +74,7 @@ pub struct Learner {
     paths: u64,
     taught: u64,
     counts: PhotonCounts,
+    verdict: Option<Verdict>,
     elapsed: Duration,
 }
 
@@ -102,6 +104,7 @@ impl Learner {
             paths: settings.paths,
             taught: 0,
             counts,
+            verdict: None,
             elapsed: start.elapsed(),
         })
     }
@@ -111,9 +114,25 @@ impl Learner {
         &self.guide
     }
 
+    /// What is known so far, unless it turned out that guiding does not pay.
+    pub fn worthwhile_guide(&self) -> Option<&Guide> {
+        let pays = self.verdict.is_none_or(|v| v.pays());
+        pays.then_some(&self.guide)
+    }
+
     /// Whether more camera paths are wanted.
     pub fn wants_more(&self) -> bool {
-        self.taught < self.paths
+        self.taught < self.paths && self.worthwhile_guide().is_some()
+    }
+
+    /// Takes note of whether guiding pays.
+    pub fn judge(&mut self, verdict: Verdict) {
+        self.verdict = Some(verdict);
+    }
+
+    /// Whether guiding pays, if that was tried.
+    pub fn verdict(&self) -> Option<Verdict> {
+        self.verdict
     }
 
     /// Learns from `paths` camera paths that were guided by what was known until now.

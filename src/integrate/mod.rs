@@ -19,6 +19,7 @@ pub mod record;
 pub mod render;
 pub mod roulette;
 mod teach;
+pub mod trial;
 pub mod vertex;
 pub mod wave;
 
