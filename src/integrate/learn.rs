@@ -7,6 +7,7 @@
 //! has learned ([`super::render`] does). [`learn`] makes paths of its own, for a field without an image.
 
 use super::guiding::Guide;
+use super::importance;
 use super::record::{Lessons, Records};
 use super::render::View;
 use super::vertex::Walk;
@@ -56,6 +57,8 @@ pub struct Learned {
     pub guide: Guide,
     /// What became of the photons.
     pub counts: PhotonCounts,
+    /// The trees with their sums: what learning further and keeping the field take.
+    pub trainer: Trainer,
     /// The trees in numbers.
     pub stats: Stats,
     /// Wall-clock time.
@@ -74,13 +77,17 @@ pub struct Learner {
 }
 
 impl Learner {
-    /// Learns from photons.
+    /// Learns from photons, where the paths of `view` may come.
     ///
     /// # Errors
     /// When the scene's bounds are empty or a setting is out of range.
-    pub fn new(scene: &Scene, settings: &LearnSettings) -> Result<Self, GuideError> {
+    pub fn new(view: &View, settings: &LearnSettings) -> Result<Self, GuideError> {
         let start = Instant::now();
+        let scene = view.scene;
         let mut trainer = prepare(scene, settings)?;
+        if settings.photons > 0 {
+            trainer.set_importance_sample(&importance::met_by_camera(view), importance::PER_CELL);
+        }
         let mut counts = PhotonCounts::default();
         for photons in batches(settings.photons, settings.batches) {
             let emitted = photons.end - photons.start;
@@ -147,16 +154,17 @@ impl Learner {
 /// When the scene's bounds are empty or a setting is out of range.
 pub fn learn(view: &View, settings: &LearnSettings) -> Result<Learned, GuideError> {
     let start = Instant::now();
-    let mut learner = Learner::new(view.scene, settings)?;
+    let mut learner = Learner::new(view, settings)?;
     for paths in batches(settings.paths, settings.batches) {
         let count = paths.end - paths.start;
-        let lessons = lessons(view, learner.guide(), paths);
+        let lessons = lessons(view, Some(learner.guide()), paths);
         learner.take(&lessons, count);
     }
     Ok(Learned {
         stats: learner.stats(),
         counts: learner.counts,
         guide: learner.guide,
+        trainer: learner.trainer,
         elapsed: start.elapsed(),
     })
 }
@@ -193,10 +201,10 @@ fn prepare(scene: &Scene, settings: &LearnSettings) -> Result<Trainer, GuideErro
 
 /// Traces camera paths, in waves side by side whose lessons are joined in order. Path `i` of a film of
 /// n pixels looks through a pixel of its own, so that a long enough run covers the film evenly.
-fn lessons(view: &View, guide: &Guide, range: Range<u64>) -> Lessons {
+pub(super) fn lessons(view: &View, guide: Option<&Guide>, range: Range<u64>) -> Lessons {
     let starts: Vec<u64> = range.clone().step_by(WAVE_PATHS as usize).collect();
     let walk = Walk {
-        guide: Some(guide),
+        guide,
         ..view.walk()
     };
     let waves: Vec<_> = starts
@@ -246,7 +254,7 @@ fn batches(records: u64, count: u32) -> Vec<Range<u64>> {
 }
 
 /// Traces a batch, in waves side by side whose landings are joined in photon order.
-fn trace_batch(
+pub(super) fn trace_batch(
     scene: &Scene,
     settings: &LearnSettings,
     range: Range<u64>,

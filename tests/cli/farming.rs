@@ -66,10 +66,14 @@ fn other_formats_name_scene_shards_and_image() {
             ))
             .ok()
             .out;
-        for part in ["scene.xml", "/5", "merge out.exr.parts/*-of-5.exr -o out.exr"] {
+        for part in [
+            "scene.xml",
+            "/5",
+            "merge out.exr.parts/*-of-5.exr -o out.exr",
+        ] {
             assert!(job.contains(part), "{part}: {job}");
         }
-        assert_eq!(job.contains("me/twin"), format == "k8s");
+        assert_eq!(job.contains("image: \"me/twin\""), format == "k8s");
         assert!(!job.contains("{{{") && !job.contains('\t'), "{job}");
     }
 }

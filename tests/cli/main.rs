@@ -5,6 +5,7 @@ mod checkpoints;
 mod comparing;
 mod errors;
 mod farming;
+mod fields;
 mod generated;
 mod inspect;
 mod messages;
