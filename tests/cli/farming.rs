@@ -40,9 +40,38 @@ fn the_slurm_script_renders_shards_and_merges_them() {
         ))
         .ok()
         .out;
-    for line in ["--array=0-2%2\n", "--cpus-per-task=2\n", "--job-name=out\n"] {
+    for line in [
+        "--array=0-2%2\n",
+        "--cpus-per-task=2\n",
+        "--job-name=out-render\n",
+    ] {
         assert!(job.contains(line), "{job}");
     }
+    std::fs::write(place.path("job.sh"), &job).unwrap();
+    sh(&place, &format!("{SBATCH} . ./job.sh"));
+    let of = |name: &str| read_channels(&place.path(name));
+    assert!(of("out.exr") == of("whole.exr"));
+}
+
+/// The field that shards are given is the one that `train` makes of the same words.
+#[test]
+fn a_guided_farm_learns_once_and_renders_by_that() {
+    let place = Place::new();
+    let learn = "--photons 20000 --paths 5000 --batches 3";
+    place
+        .run(&format!("train scene.xml {learn} -o a.field"))
+        .ok();
+    place
+        .run(&format!(
+            "render scene.xml {PICTURE} --field a.field -o whole.exr"
+        ))
+        .ok();
+    let job = place
+        .run(&format!(
+            "farm --format slurm --shards 2 scene.xml {PICTURE} --guide double {learn} -o out.exr"
+        ))
+        .ok()
+        .out;
     std::fs::write(place.path("job.sh"), &job).unwrap();
     sh(&place, &format!("{SBATCH} . ./job.sh"));
     let of = |name: &str| read_channels(&place.path(name));

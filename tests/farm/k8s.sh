@@ -9,9 +9,10 @@ why_not_k8s() {
 run_k8s() {
     local index version
     "$program" farm --format k8s --shards 4 -j 1 "$scene" "${options[@]}" -o farm.exr >job.yaml
+    "$program" farm --format k8s --shards 4 "$scene" --guide double -o guided.exr >guided.yaml
     # The oldest with all the fields that are used, and the newest that the package knows.
     for version in 1.29 ""; do
-        in_venv kubernetes-validate --strict ${version:+-k "$version"} job.yaml
+        in_venv kubernetes-validate --strict ${version:+-k "$version"} job.yaml guided.yaml
     done
     in_venv python3 "$here/k8s_scripts.py" job.yaml
     for index in 0 1 2 3; do

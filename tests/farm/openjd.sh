@@ -8,6 +8,8 @@ why_not_openjd() {
 run_openjd() {
     "$program" farm --format openjd --shards 4 -j 2 "$scene" "${options[@]}" -o farm.exr >job.yaml
     in_venv openjd check job.yaml
+    "$program" farm --format openjd --shards 4 "$scene" --guide double -o guided.exr >guided.yaml
+    in_venv openjd check guided.yaml
     in_venv openjd summary job.yaml >summary.txt
     grep -q 'Total tasks: 5' summary.txt || { cat summary.txt >&2; fail "it has not 4 shards and a merge"; }
     in_venv openjd run job.yaml -p "Directory=$PWD" -p "Program=$program" >run.log 2>&1 ||

@@ -31,11 +31,11 @@ render_whole() {
     for threads in 1 2; do
         start=$(seconds)
         "$program" render "$scene" "${options[@]}" -q -j "$threads" -o "$work/whole.exr"
-        whole_seconds[threads]=$(calculate "$(seconds) - $start")
+        whole_seconds[$threads]=$(calculate "$(seconds) - $start")
     done
     say "in one piece: ${whole_seconds[1]} s on one thread, ${whole_seconds[2]} s on two"
 }
-declare -A whole_seconds
+whole_seconds=()
 
 # Compares the colours, which are 32-bit numbers: a difference of 0 is the same number. `cargo test`
 # compares all layers. usage: same_bits IMAGE
