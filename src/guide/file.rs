@@ -40,10 +40,9 @@ struct Head {
 }
 
 impl FieldFile {
-    /// A trainer with its history, and the fractions that were learned with its frozen field.
-    pub fn new(trainer: Trainer, ledger: Ledger, fractions: &Fractions) -> Self {
-        let field = trainer.freeze();
-        let cells = trainer.cells_in_preorder(&field);
+    /// A trainer with its history, its frozen field and the fractions that were learned with that.
+    pub fn new(trainer: Trainer, ledger: Ledger, field: &Field, fractions: &Fractions) -> Self {
+        let cells = trainer.cells_in_preorder(field);
         Self {
             fractions: fractions.of_cells(&cells),
             trainer,

@@ -71,7 +71,8 @@ pub fn to_file(
         paths: all(settings.paths),
         unrefined: false,
     };
-    FieldFile::new(trainer, ledger, &learned.guide.fractions)
+    let guide = &learned.guide;
+    FieldFile::new(trainer, ledger, &guide.field, &guide.fractions)
 }
 
 /// A field that was kept, ready to guide.

@@ -166,7 +166,7 @@ fn kept(model: ModelKind) -> FieldFile {
         paths: Numbers::new(0..0, 0..0),
         unrefined: false,
     };
-    FieldFile::new(trainer, ledger, &fractions)
+    FieldFile::new(trainer, ledger, &field, &fractions)
 }
 
 #[test]
