@@ -146,7 +146,7 @@ fn odd_names_stay_one_word_in_a_shell() {
 
 #[test]
 fn jobs_have_names_that_every_queue_takes() {
-    for (image, name) in [("out/Küche 2.exr", "k-che-2"), ("---.exr", "twintree")] {
+    for (image, name) in [("out/Küche 2.exr", "k-che-2"), ("out/---.exr", "twintree")] {
         let mut args = farm("scene.xml");
         args.render.extend(["-o".into(), image.into()]);
         assert_eq!(Plan::new(&args, None).unwrap().name, name);
