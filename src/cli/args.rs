@@ -1,5 +1,6 @@
 //! What can be typed: the single source of parsing and of `--help`.
 
+use super::field_args::{FieldArgs, GuideArgs, MergeFieldsArgs, TrainArgs};
 use super::measure_args::{Bench, CompareArgs};
 use super::part_args::{FarmArgs, MergeArgs, PartArgs};
 use super::scene_args::MakeArgs;
@@ -37,6 +38,12 @@ pub enum Command {
     Render(Box<RenderArgs>),
     /// Join the parts of an image that were rendered with --shard
     Merge(MergeArgs),
+    /// Learn where light comes from in a scene, and keep it in a file for "render --field"
+    Train(Box<TrainArgs>),
+    /// Show what is in a learned field
+    Field(Box<FieldArgs>),
+    /// Add fields that were learned with "train --field --shard"
+    MergeFields(MergeFieldsArgs),
     /// Print job files that render an image in parts on many machines; nothing is submitted
     Farm(FarmArgs),
     /// Show what is in a scene
@@ -143,6 +150,9 @@ pub struct RenderArgs {
     /// Light transport.
     #[command(flatten)]
     pub light: LightArgs,
+    /// Guiding.
+    #[command(flatten)]
+    pub guide: GuideArgs,
     /// Ray tracer [default: embree, where it was compiled in]
     #[arg(long, value_name = "NAME", help_heading = "Machine")]
     pub accel: Option<Accel>,
@@ -234,7 +244,7 @@ pub struct PictureArgs {
 }
 
 /// Longest side of a film: no image format reaches further.
-const MAX_SIDE: i64 = 1 << 17;
+pub const MAX_SIDE: i64 = 1 << 17;
 
 /// Light transport and its random numbers.
 #[derive(Args, Debug)]
@@ -261,36 +271,6 @@ pub struct LightArgs {
         help_heading = "Light transport"
     )]
     pub seed: u64,
-    /// How directions are guided towards light
-    #[arg(
-        long,
-        value_name = "NAME",
-        default_value = "none",
-        help_heading = "Light transport"
-    )]
-    pub guide: Guide,
-    /// Photon paths that teach the field, with --guide double
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 2_000_000,
-        help_heading = "Light transport"
-    )]
-    pub photons: u64,
-    /// Camera paths that teach the field, with --guide double
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 1_000_000,
-        help_heading = "Light transport"
-    )]
-    pub paths: u64,
-    /// Batches they come in, each twice as large as the one before
-    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=32), help_heading = "Light transport")]
-    pub batches: u32,
-    /// Memory for the field while it is learned, such as 64M
-    #[arg(long, value_name = "BYTES", default_value = "256M", value_parser = values::bytes, help_heading = "Light transport")]
-    pub guide_memory: usize,
     /// Emitters are not seen by the camera itself
     #[arg(long, help_heading = "Light transport")]
     pub hide_emitters: bool,
@@ -386,13 +366,4 @@ pub enum AccelBuild {
     Compact,
     /// Slow to build, fastest rays
     High,
-}
-
-/// Ways of guiding.
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Guide {
-    /// Plain path tracing
-    None,
-    /// A double hierarchy, learned from photons before rendering
-    Double,
 }

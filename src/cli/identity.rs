@@ -5,7 +5,8 @@
 //! how the image is written do not belong here.
 
 use super::Failure;
-use super::args::{Guide, RenderArgs};
+use super::args::RenderArgs;
+use super::field_args::Guide;
 use crate::accel::BuildQuality;
 use crate::film::part::{Identity, Origin, Record};
 use crate::film::{Film, FilmDescription, Shard};
@@ -96,13 +97,20 @@ fn settings(args: &RenderArgs, subject: &Subject) -> Vec<(String, String)> {
     add("--accel-build", &subject.trees);
     // Textures beyond the budget take their coarser levels from the file: not the same texels.
     add("--texture-memory", &args.scene.texture_memory);
-    add("--guide", &args.light.guide);
     // A field from a file has its own fingerprint, whatever it was learned with.
-    if args.light.guide != Guide::None && subject.field.is_none() {
-        add("--photons", &args.light.photons);
-        add("--paths", &args.light.paths);
-        add("--batches", &args.light.batches);
-        add("--guide-memory", &args.light.guide_memory);
+    if subject.field.is_some() {
+        add("--guide", &Guide::Double);
+        return list;
+    }
+    let (guide, learn) = (args.guide.guide.unwrap_or(Guide::None), &args.guide.learn);
+    add("--guide", &guide);
+    if guide != Guide::None {
+        add("--photons", &learn.photons);
+        add("--paths", &learn.paths);
+        add("--train", &learn.train);
+        add("--batches", &learn.batches);
+        add("--guide-memory", &learn.guide_memory);
+        add("--guide-model", &learn.guide_model);
     }
     list
 }

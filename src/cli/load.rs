@@ -1,17 +1,20 @@
 //! From the command line's scene to a description, for every subcommand alike.
 
-use super::args::{PictureArgs, SceneArgs};
+use super::args::{Accel, AccelBuild, PictureArgs, SceneArgs};
 use super::scene_args::{StudioArgs, UpAxis};
-use super::{Failure, budget};
-use crate::report::scene::TextureTotals;
-use crate::scene::Description;
+use super::{Failure, budget, memory, threads};
+use crate::accel::{Backend, BuildQuality, BuildSettings};
+use crate::report::scene::{TextureTotals, triangles};
+use crate::report::words;
 use crate::scene::fingerprint::fingerprint;
 use crate::scene::import::models::{self, ModelKind, ModelOptions, ModelSource};
 use crate::scene::import::studio::{Sky, Studio};
 use crate::scene::import::{ImportOptions, mitsuba};
+use crate::scene::{Description, Scene};
 use crate::texture::TextureStore;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Instant;
 
 /// A scene as data, with the images that its textures use.
 pub struct Loaded {
@@ -36,6 +39,50 @@ impl Loaded {
     pub fn fingerprint(&self) -> Result<u64, Failure> {
         fingerprint(&self.description, &self.textures.bitmaps())
             .map_err(|e| Failure::Wrong(format!("an image of the scene cannot be read: {e}")))
+    }
+
+    /// Builds the scene for the ray tracer that was asked for, in the way that was asked for or that
+    /// memory allows.
+    ///
+    /// # Errors
+    /// When the scene cannot be used, or memory does not suffice.
+    pub fn build(
+        &mut self,
+        accel: Option<Accel>,
+        way: Option<AccelBuild>,
+    ) -> Result<Scene, Failure> {
+        let start = Instant::now();
+        let backend = match accel {
+            None => Backend::default(),
+            Some(Accel::Embree) => Backend::Embree,
+            Some(Accel::Obvhs) => Backend::Obvhs,
+        };
+        let load = budget::Load {
+            triangles: triangles(&self.description),
+            instances: self.description.instances.len() as u64,
+        };
+        let chosen = budget::choose(way, backend, load, memory::available_bytes())?;
+        if chosen == AccelBuild::Compact && way.is_none() {
+            tracing::info!("memory is short: the ray tracer's trees are built small");
+        }
+        let settings = BuildSettings {
+            quality: match chosen {
+                AccelBuild::Fast => BuildQuality::Fast,
+                AccelBuild::Balanced | AccelBuild::Compact => BuildQuality::Balanced,
+                AccelBuild::High => BuildQuality::High,
+            },
+            compact: chosen == AccelBuild::Compact,
+            threads: threads::count(),
+            ..BuildSettings::default()
+        };
+        let scene = Scene::build(&mut self.description, settings, backend)?;
+        tracing::debug!(
+            "{} holds {}, built in {}",
+            scene.rays.name(),
+            words::bytes(scene.rays.memory_bytes() as u64),
+            words::time(start.elapsed().as_secs_f64())
+        );
+        Ok(scene)
     }
 }
 

@@ -1,6 +1,6 @@
 //! `twintree render`: from a scene file to an image file.
 
-use super::args::{Accel, AccelBuild, RenderArgs};
+use super::args::RenderArgs;
 use super::checkpoint::Checkpoint;
 use super::console::Console;
 use super::finish::Done;
@@ -11,8 +11,7 @@ use super::output::Outputs;
 use super::preview::Tev;
 use super::progress::Watch;
 use super::values::Preview;
-use super::{Failure, budget, memory, overrides, threads};
-use crate::accel::{Backend, BuildQuality, BuildSettings};
+use super::{Failure, learning, overrides, threads};
 use crate::camera::Camera;
 use crate::film::Film;
 use crate::integrate::learn::Learner;
@@ -50,11 +49,17 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
     let outputs = Outputs::plan(&args.files, input.first_path(), args.parts.shard)?;
     let mut times = Times::default();
     let (mut loaded, triangles) = read(args, &input, &mut times)?;
-    let fingerprint = match args.parts.wanted() {
+    let field = learning::wanted_file(&args.guide)?;
+    let fingerprint = match args.parts.wanted() || field.is_some() {
         true => Some(loaded.fingerprint()?),
         false => None,
     };
-    let scene = timed(&mut times.build, || build(args, &mut loaded))?;
+    if let (Some(field), Some(scene)) = (&field, fingerprint) {
+        field.check(scene, args.guide.any_scene)?;
+    }
+    let scene = timed(&mut times.build, || {
+        loaded.build(args.accel, args.accel_build)
+    })?;
     let description = &loaded.description;
     let (width, height) = (description.film.width, description.film.height);
     let settings = overrides::path_settings(&args.light, &description.render);
@@ -67,8 +72,9 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
         settings: &settings,
         guide: None,
     };
-    let record = fingerprint.map(|scene| {
-        let subject = Subject::new(&plain, scene, triangles);
+    let record = fingerprint.filter(|_| args.parts.wanted()).map(|scene| {
+        let mut subject = Subject::new(&plain, scene, triangles);
+        subject.field = field.as_ref().map(|f| f.fingerprint);
         identity::record(args, &subject, &limits)
     });
     let mut film = identity::film(args, &description.film)?;
@@ -76,10 +82,18 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
     let Some(before) = go_on(args, &outputs, checkpoint.as_ref(), &mut film)? else {
         return Ok(());
     };
-    let mut learner = learner(args, &plain)?;
-    let photons = learner.as_ref().map_or(Duration::ZERO, Learner::elapsed);
+    let mut guiding = timed(&mut times.train, || {
+        learning::guiding(&args.guide, field, &plain)
+    })?;
+    let photons = guiding
+        .learner
+        .as_ref()
+        .map_or(Duration::ZERO, Learner::elapsed);
     let setting = Setting {
-        view: plain,
+        view: View {
+            guide: guiding.kept.as_ref(),
+            ..plain
+        },
         limits,
         checkpoint: checkpoint.as_ref(),
         before: Spent {
@@ -87,18 +101,18 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
             ..before
         },
     };
-    let guiding = learner.as_mut();
+    let learner = guiding.learner.as_mut();
     let summary = trace(
-        args, console, &interrupt, &outputs, &setting, guiding, &mut film,
+        args, console, &interrupt, &outputs, &setting, learner, &mut film,
     );
-    if let Some(learner) = &learner {
-        describe(learner);
+    if let Some(learner) = &guiding.learner {
+        learning::describe(learner);
         times.train = learner.elapsed().as_secs_f64();
     }
     let mut stats = measure(args, &scene, &loaded, &film, &summary);
     (stats.triangles, stats.load_seconds) = (triangles, times.load);
     (stats.build_seconds, stats.train_seconds) = (times.build, times.train);
-    stats.field_memory_bytes = learner.map_or(0, |l| l.guide().field.bytes());
+    stats.field_memory_bytes = guiding.guide().map_or(0, |g| g.field.bytes());
     tracing::info!("{}", stats.sentence());
     warn_of_invalid_samples(&film);
     let done = Done {
@@ -151,79 +165,6 @@ fn read(args: &RenderArgs, input: &Input, times: &mut Times) -> Result<(Loaded, 
         words::time(times.load)
     );
     Ok((loaded, triangles))
-}
-
-fn build(args: &RenderArgs, loaded: &mut Loaded) -> Result<Scene, Failure> {
-    let start = Instant::now();
-    let backend = match args.accel {
-        None => Backend::default(),
-        Some(Accel::Embree) => Backend::Embree,
-        Some(Accel::Obvhs) => Backend::Obvhs,
-    };
-    let load = budget::Load {
-        triangles: triangles(&loaded.description),
-        instances: loaded.description.instances.len() as u64,
-    };
-    let way = budget::choose(args.accel_build, backend, load, memory::available_bytes())?;
-    if way == AccelBuild::Compact && args.accel_build.is_none() {
-        tracing::info!("memory is short: the ray tracer's trees are built small");
-    }
-    let settings = BuildSettings {
-        quality: match way {
-            AccelBuild::Fast => BuildQuality::Fast,
-            AccelBuild::Balanced | AccelBuild::Compact => BuildQuality::Balanced,
-            AccelBuild::High => BuildQuality::High,
-        },
-        compact: way == AccelBuild::Compact,
-        threads: threads::count(),
-        ..BuildSettings::default()
-    };
-    let scene = Scene::build(&mut loaded.description, settings, backend)?;
-    tracing::debug!(
-        "{} holds {}, built in {}",
-        scene.rays.name(),
-        words::bytes(scene.rays.memory_bytes() as u64),
-        words::time(start.elapsed().as_secs_f64())
-    );
-    Ok(scene)
-}
-
-/// Begins to learn the field, if one is wanted.
-fn learner(args: &RenderArgs, view: &View) -> Result<Option<Learner>, Failure> {
-    let Some(settings) = overrides::learn_settings(&args.light, view.settings) else {
-        return Ok(None);
-    };
-    if view.scene.lights.is_empty() {
-        tracing::warn!("nothing shines: there is nothing to learn");
-        return Ok(None);
-    }
-    let learner = Learner::new(view.scene, &settings)?;
-    let counts = learner.counts();
-    tracing::info!(
-        "learned from {} photons ({} landings) in {}",
-        words::count(counts.emitted as f64),
-        words::count(counts.landings as f64),
-        words::time(learner.elapsed().as_secs_f64()),
-    );
-    if counts.invalid > 0 {
-        tracing::warn!(
-            "{} photons were not finite and were left out",
-            counts.invalid
-        );
-    }
-    Ok(Some(learner))
-}
-
-/// Says what was learned.
-fn describe(learner: &Learner) {
-    let stats = learner.stats();
-    tracing::info!(
-        "the field: {} links in {} cells, {}; learning it took {}",
-        words::count(stats.links as f64),
-        words::count(stats.space_cells as f64),
-        words::bytes(learner.guide().field.bytes()),
-        words::time(learner.elapsed().as_secs_f64()),
-    );
 }
 
 fn trace(

@@ -35,7 +35,7 @@ pub struct SceneArgs {
 }
 
 /// What is around models that come without a scene.
-#[derive(Args, Debug, Clone, PartialEq)]
+#[derive(Args, Debug, Clone, Default, PartialEq)]
 pub struct StudioArgs {
     /// Camera: orbit:AZIMUTH,ELEVATION in degrees, from:X,Y,Z, or the name or number of a glTF camera
     /// [default: the models' first camera, or orbit:30,20]
@@ -77,9 +77,10 @@ pub struct StudioArgs {
 }
 
 /// Axis that points up.
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(ValueEnum, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum UpAxis {
     /// As in glTF and Mitsuba
+    #[default]
     Y,
     /// As in CAD and 3D printing
     Z,

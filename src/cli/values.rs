@@ -72,6 +72,35 @@ impl FromStr for Definition {
     }
 }
 
+/// A pixel of a film.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pixel {
+    /// Column, from the left.
+    pub x: u32,
+    /// Row, from the top.
+    pub y: u32,
+}
+
+impl FromStr for Pixel {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers = text
+            .split_once(',')
+            .map(|(x, y)| (x.trim().parse(), y.trim().parse()));
+        match numbers {
+            Some((Ok(x), Ok(y))) => Ok(Self { x, y }),
+            _ => Err("expected two whole numbers x,y such as 160,90".into()),
+        }
+    }
+}
+
+impl std::fmt::Display for Pixel {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{},{}", self.x, self.y)
+    }
+}
+
 /// A share of the film, `i/n` with `i` counted from 0.
 ///
 /// # Errors
@@ -328,6 +357,14 @@ mod tests {
             "-1,0,2,2",
         ] {
             assert!(text.parse::<Crop>().is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn pixels_are_two_numbers() {
+        assert_eq!("3,4".parse(), Ok(Pixel { x: 3, y: 4 }));
+        for text in ["", "3", "3,4,5", "-1,2", "a,b", "1.5,2"] {
+            assert!(text.parse::<Pixel>().is_err(), "{text}");
         }
     }
 

@@ -4,6 +4,8 @@ mod benching;
 mod checkpoints;
 mod comparing;
 mod errors;
+mod farming;
+mod fields;
 mod generated;
 mod inspect;
 mod messages;
