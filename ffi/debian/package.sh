@@ -53,9 +53,11 @@ install_manual() {
     put 644 usr/share/fish/vendor_completions.d $stage/completions/twintree.fish
 }
 
-# In /usr/share/twintree, as minimal systems leave out what is in /usr/share/doc.
+# In /usr/share/twintree, as minimal systems leave out what is in /usr/share/doc. The README's pictures
+# stay behind.
 install_scenes() {
     for file in scenes/*/*; do
+        case $file in scenes/pictures/*) continue ;; esac
         put 644 "usr/share/twintree/$(dirname "$file")" "$file"
     done
 }

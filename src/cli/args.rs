@@ -1,8 +1,11 @@
 //! What can be typed: the single source of parsing and of `--help`.
 
+use super::field_args::{FieldArgs, GuideArgs, MergeFieldsArgs, TrainArgs};
 use super::measure_args::{Bench, CompareArgs};
 use super::part_args::{FarmArgs, MergeArgs, PartArgs};
-use super::values::{self, Crop, Definition, Depth, PixelAt, Preview};
+use super::scene_args::MakeArgs;
+pub use super::scene_args::SceneArgs;
+use super::values::{self, Crop, Depth, PixelAt, Preview};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -35,12 +38,20 @@ pub enum Command {
     Render(Box<RenderArgs>),
     /// Join the parts of an image that were rendered with --shard
     Merge(MergeArgs),
+    /// Learn where light comes from in a scene, and keep it in a file for "render --field"
+    Train(Box<TrainArgs>),
+    /// Show what is in a learned field
+    Field(Box<FieldArgs>),
+    /// Add fields that were learned with "train --field --shard"
+    MergeFields(MergeFieldsArgs),
     /// Print job files that render an image in parts on many machines; nothing is submitted
     Farm(FarmArgs),
     /// Show what is in a scene
     Info(InfoArgs),
     /// Load a scene and say what is wrong with it; nothing is rendered
     Check(CheckArgs),
+    /// Make something to render
+    Make(MakeArgs),
     /// Say how far images are from a reference
     Compare(CompareArgs),
     /// Measure parts of the program
@@ -79,27 +90,6 @@ pub enum LogLevel {
     Info,
     /// How it is done.
     Debug,
-}
-
-/// Which scene, and how to read it.
-#[derive(Args, Debug)]
-pub struct SceneArgs {
-    /// Scene file (Mitsuba XML)
-    pub scene: PathBuf,
-    /// Value of a $key in the scene; can be given often
-    #[arg(
-        short = 'D',
-        long = "define",
-        value_name = "KEY=VALUE",
-        help_heading = "Scene"
-    )]
-    pub define: Vec<Definition>,
-    /// Put something plain in the place of what is not supported, with a warning, instead of giving up
-    #[arg(long, help_heading = "Scene")]
-    pub lenient: bool,
-    /// Memory for texels, such as 512M or 2G: what does not fit is read again when needed
-    #[arg(long, value_name = "BYTES", default_value = "2G", value_parser = values::bytes, help_heading = "Machine")]
-    pub texture_memory: usize,
 }
 
 /// Arguments of `twintree info`.
@@ -163,9 +153,15 @@ pub struct RenderArgs {
     /// Samples that went wrong.
     #[command(flatten)]
     pub doubt: DoubtArgs,
+    /// Guiding.
+    #[command(flatten)]
+    pub guide: GuideArgs,
     /// Ray tracer [default: embree, where it was compiled in]
     #[arg(long, value_name = "NAME", help_heading = "Machine")]
     pub accel: Option<Accel>,
+    /// How its trees are built [default: balanced, or compact where memory is short]
+    #[arg(long, value_name = "WAY", help_heading = "Machine")]
+    pub accel_build: Option<AccelBuild>,
     /// Show the image while it renders, in the viewer tev (tev=host:port if it runs elsewhere)
     #[arg(long, value_name = "tev[=HOST:PORT]", help_heading = "Messages")]
     pub preview: Option<Preview>,
@@ -272,7 +268,7 @@ pub struct PictureArgs {
 }
 
 /// Longest side of a film: no image format reaches further.
-const MAX_SIDE: i64 = 1 << 17;
+pub const MAX_SIDE: i64 = 1 << 17;
 
 /// Light transport and its random numbers.
 #[derive(Args, Debug)]
@@ -299,36 +295,6 @@ pub struct LightArgs {
         help_heading = "Light transport"
     )]
     pub seed: u64,
-    /// How directions are guided towards light
-    #[arg(
-        long,
-        value_name = "NAME",
-        default_value = "none",
-        help_heading = "Light transport"
-    )]
-    pub guide: Guide,
-    /// Photon paths that teach the field, with --guide double
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 2_000_000,
-        help_heading = "Light transport"
-    )]
-    pub photons: u64,
-    /// Camera paths that teach the field, with --guide double
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 1_000_000,
-        help_heading = "Light transport"
-    )]
-    pub paths: u64,
-    /// Batches they come in, each twice as large as the one before
-    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=32), help_heading = "Light transport")]
-    pub batches: u32,
-    /// Memory for the field while it is learned, such as 64M
-    #[arg(long, value_name = "BYTES", default_value = "256M", value_parser = values::bytes, help_heading = "Light transport")]
-    pub guide_memory: usize,
     /// Emitters are not seen by the camera itself
     #[arg(long, help_heading = "Light transport")]
     pub hide_emitters: bool,
@@ -413,11 +379,15 @@ pub enum Accel {
     Obvhs,
 }
 
-/// Ways of guiding.
+/// Ways of building the ray tracer's tree.
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Guide {
-    /// Plain path tracing
-    None,
-    /// A double hierarchy, learned from photons before rendering
-    Double,
+pub enum AccelBuild {
+    /// Quick to build
+    Fast,
+    /// The balance for a render of a minute
+    Balanced,
+    /// Least memory
+    Compact,
+    /// Slow to build, fastest rays
+    High,
 }

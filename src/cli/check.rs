@@ -1,15 +1,16 @@
 //! `twintree check`: is the scene all right?
 
 use super::args::CheckArgs;
-use super::{Failure, console, load};
+use super::load::{self, Input};
+use super::{Failure, console};
 
 /// Loads the scene; its warnings are logged on the way.
 ///
 /// # Errors
 /// When the scene cannot be used.
 pub fn run(args: &CheckArgs) -> Result<(), Failure> {
-    let scene = args.scene.scene.display();
-    let loaded = load::load(&args.scene)?;
+    let scene = args.scene.title();
+    let loaded = load::load(&args.scene, &Input::of(&args.scene)?, None)?;
     let verdict = match loaded.description.warnings.len() {
         0 => "no warnings".to_owned(),
         1 => "1 warning".to_owned(),

@@ -106,7 +106,7 @@ fn metadata(args: &RenderArgs, stats: &Stats) -> Metadata {
     let words = std::env::args_os().skip(1);
     let words: Vec<_> = words.map(|w| w.to_string_lossy().into_owned()).collect();
     Metadata {
-        scene: args.scene.scene.display().to_string(),
+        scene: args.scene.title(),
         settings: words.join(" "),
         spp: stats.spp,
         seconds: stats.render_seconds,

@@ -26,6 +26,9 @@ the machine refused: an output cannot be written, memory ran out, an internal er
 2
 the command line or the scene is wrong; nothing was rendered
 .TP
+75
+interrupted, with a checkpoint written: the same command with --resume goes on
+.TP
 130
 interrupted; the image so far was written if rendering had begun
 "#;

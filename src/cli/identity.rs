@@ -5,7 +5,9 @@
 //! how the image is written do not belong here.
 
 use super::Failure;
-use super::args::{Guide, RenderArgs};
+use super::args::RenderArgs;
+use super::field_args::Guide;
+use crate::accel::BuildQuality;
 use crate::film::part::{Identity, Origin, Record};
 use crate::film::{Film, FilmDescription, Shard};
 use crate::integrate::PathSettings;
@@ -20,6 +22,8 @@ pub struct Subject<'a> {
     pub field: Option<u64>,
     /// Name of the ray tracer, with its version: two of them round differently.
     pub accel: String,
+    /// How its trees were built: quality, and whether they are compact.
+    pub trees: (BuildQuality, bool),
     /// Triangles of the scene.
     pub triangles: u64,
     /// The film after all overrides.
@@ -31,10 +35,12 @@ pub struct Subject<'a> {
 impl<'a> Subject<'a> {
     /// A view of the scene with fingerprint `scene`, whose field is learned anew.
     pub fn new(view: &View<'a>, scene: u64, triangles: u64) -> Self {
+        let built = view.scene.rays.settings();
         Self {
             scene,
             field: None,
             accel: view.scene.rays.name(),
+            trees: (built.quality, built.compact),
             triangles,
             film: view.film,
             path: view.settings,
@@ -56,7 +62,7 @@ pub fn record(args: &RenderArgs, subject: &Subject, limits: &Limits) -> Record {
         goal: (!endless).then_some(limits.spp),
         shard: args.parts.shard.unwrap_or(Shard::ALL),
         origin: Origin {
-            scene: args.scene.scene.display().to_string(),
+            scene: args.scene.title(),
             words: words(),
             accel: subject.accel.clone(),
             seed: args.light.seed,
@@ -87,15 +93,24 @@ fn settings(args: &RenderArgs, subject: &Subject) -> Vec<(String, String)> {
     add("--strict-normals", &path.strict_normals);
     add("--sampler", &path.sampler);
     add("--seed", &path.seed);
+    // Trees built otherwise round their hits otherwise.
+    add("--accel-build", &subject.trees);
     // Textures beyond the budget take their coarser levels from the file: not the same texels.
     add("--texture-memory", &args.scene.texture_memory);
-    add("--guide", &args.light.guide);
     // A field from a file has its own fingerprint, whatever it was learned with.
-    if args.light.guide != Guide::None && subject.field.is_none() {
-        add("--photons", &args.light.photons);
-        add("--paths", &args.light.paths);
-        add("--batches", &args.light.batches);
-        add("--guide-memory", &args.light.guide_memory);
+    if subject.field.is_some() {
+        add("--guide", &Guide::Double);
+        return list;
+    }
+    let (guide, learn) = (args.guide.guide.unwrap_or(Guide::None), &args.guide.learn);
+    add("--guide", &guide);
+    if guide != Guide::None {
+        add("--photons", &learn.photons);
+        add("--paths", &learn.paths);
+        add("--train", &learn.train);
+        add("--batches", &learn.batches);
+        add("--guide-memory", &learn.guide_memory);
+        add("--guide-model", &learn.guide_model);
     }
     list
 }

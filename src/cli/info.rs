@@ -1,7 +1,8 @@
 //! `twintree info`: what is in a scene.
 
 use super::args::InfoArgs;
-use super::{Failure, console, load};
+use super::load::{self, Input};
+use super::{Failure, console};
 use crate::report::scene::SceneReport;
 
 /// Loads the scene and prints what is in it.
@@ -9,8 +10,8 @@ use crate::report::scene::SceneReport;
 /// # Errors
 /// When the scene cannot be used.
 pub fn run(args: &InfoArgs) -> Result<(), Failure> {
-    let loaded = load::load(&args.scene)?;
-    let scene = args.scene.scene.display().to_string();
+    let loaded = load::load(&args.scene, &Input::of(&args.scene)?, None)?;
+    let scene = args.scene.title();
     let report = SceneReport::of(&scene, &loaded.description, loaded.textures());
     let text = if args.json {
         report.to_json()

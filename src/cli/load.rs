@@ -1,13 +1,20 @@
 //! From the command line's scene to a description, for every subcommand alike.
 
-use super::Failure;
-use super::args::SceneArgs;
-use crate::report::scene::TextureTotals;
-use crate::scene::Description;
+use super::args::{Accel, AccelBuild, PictureArgs, SceneArgs};
+use super::scene_args::{StudioArgs, UpAxis};
+use super::{Failure, budget, memory, threads};
+use crate::accel::{Backend, BuildQuality, BuildSettings};
+use crate::report::scene::{TextureTotals, triangles};
+use crate::report::words;
 use crate::scene::fingerprint::fingerprint;
+use crate::scene::import::models::{self, ModelKind, ModelOptions, ModelSource};
+use crate::scene::import::studio::{Sky, Studio};
 use crate::scene::import::{ImportOptions, mitsuba};
+use crate::scene::{Description, Scene};
 use crate::texture::TextureStore;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Instant;
 
 /// A scene as data, with the images that its textures use.
 pub struct Loaded {
@@ -33,13 +40,187 @@ impl Loaded {
         fingerprint(&self.description, &self.textures.bitmaps())
             .map_err(|e| Failure::Wrong(format!("an image of the scene cannot be read: {e}")))
     }
+
+    /// Builds the scene for the ray tracer that was asked for, in the way that was asked for or that
+    /// memory allows.
+    ///
+    /// # Errors
+    /// When the scene cannot be used, or memory does not suffice.
+    pub fn build(
+        &mut self,
+        accel: Option<Accel>,
+        way: Option<AccelBuild>,
+    ) -> Result<Scene, Failure> {
+        let start = Instant::now();
+        let backend = match accel {
+            None => Backend::default(),
+            Some(Accel::Embree) => Backend::Embree,
+            Some(Accel::Obvhs) => Backend::Obvhs,
+        };
+        let load = budget::Load {
+            triangles: triangles(&self.description),
+            instances: self.description.instances.len() as u64,
+        };
+        let chosen = budget::choose(way, backend, load, memory::available_bytes())?;
+        if chosen == AccelBuild::Compact && way.is_none() {
+            tracing::info!("memory is short: the ray tracer's trees are built small");
+        }
+        let settings = BuildSettings {
+            quality: match chosen {
+                AccelBuild::Fast => BuildQuality::Fast,
+                AccelBuild::Balanced | AccelBuild::Compact => BuildQuality::Balanced,
+                AccelBuild::High => BuildQuality::High,
+            },
+            compact: chosen == AccelBuild::Compact,
+            threads: threads::count(),
+            ..BuildSettings::default()
+        };
+        let scene = Scene::build(&mut self.description, settings, backend)?;
+        tracing::debug!(
+            "{} holds {}, built in {}",
+            scene.rays.name(),
+            words::bytes(scene.rays.memory_bytes() as u64),
+            words::time(start.elapsed().as_secs_f64())
+        );
+        warn_of_lights(&scene);
+        Ok(scene)
+    }
 }
 
-/// Reads a scene. Its warnings are logged as well as kept.
+/// Says what is odd about the lights.
+fn warn_of_lights(scene: &Scene) {
+    if scene.lights.is_empty() {
+        tracing::warn!("nothing in the scene shines: the image will be black");
+    }
+    if scene.lights.rejected_texels() > 0 {
+        tracing::warn!(
+            "{} values of environment maps were negative or not finite and count as 0",
+            scene.lights.rejected_texels()
+        );
+    }
+}
+
+/// What the words of the command line name.
+#[derive(Debug)]
+pub enum Input {
+    /// A scene file.
+    Scene(PathBuf),
+    /// Models.
+    Models(Vec<ModelSource>),
+}
+
+impl Input {
+    /// Decides what is to be loaded.
+    ///
+    /// # Errors
+    /// When scenes and models are mixed, options do not go with what is named, or the steps behind a
+    /// model make no sense.
+    pub fn of(args: &SceneArgs) -> Result<Self, Failure> {
+        let mut sources = Vec::new();
+        for word in &args.files {
+            // A name that is no text has no steps behind it.
+            let source = match word.to_str() {
+                Some(text) => text.parse().map_err(|e| {
+                    Failure::wrong(
+                        format!("{text}: {e}"),
+                        "steps are as in a.ply@translate=1,0,0;scale=2",
+                    )
+                })?,
+                None => ModelSource::new(PathBuf::from(word)),
+            };
+            sources.push(source);
+        }
+        let is_model = |s: &ModelSource| ModelKind::from_path(&s.path).is_some();
+        match (args.files.as_slice(), sources.as_slice()) {
+            ([scene], [source]) if !is_model(source) => {
+                check_no_studio(&args.studio, Path::new(scene))?;
+                Ok(Self::Scene(scene.into()))
+            }
+            _ => {
+                check_no_defines(args)?;
+                Ok(Self::Models(sources))
+            }
+        }
+    }
+
+    /// The file that outputs are named after.
+    pub fn first_path(&self) -> &Path {
+        match self {
+            Self::Scene(path) => path,
+            Self::Models(sources) => sources.first().map_or(Path::new(""), |s| &s.path),
+        }
+    }
+}
+
+impl SceneArgs {
+    /// What was asked for, in the words of who asked.
+    pub fn title(&self) -> String {
+        let words: Vec<_> = self.files.iter().map(|f| f.to_string_lossy()).collect();
+        words.join(" ")
+    }
+}
+
+/// A scene has its own camera and light.
+fn check_no_studio(args: &StudioArgs, scene: &Path) -> Result<(), Failure> {
+    let options = [
+        ("--camera", args.camera.is_some()),
+        ("--look-at", args.look_at.is_some()),
+        ("--fov", args.fov.is_some()),
+        ("--sky", args.sky.is_some()),
+        ("--envmap", args.envmap.is_some()),
+        ("--ground", args.ground.is_some()),
+        ("--material", args.material.is_some()),
+        ("--up", args.up != UpAxis::Y),
+    ];
+    let Some((name, _)) = options.iter().find(|o| o.1) else {
+        return Ok(());
+    };
+    Err(Failure::wrong(
+        format!("{name} is for models, and {} is a scene", scene.display()),
+        "models end with .ply .obj .stl .gltf .glb; in a scene, the camera and the lights are its own",
+    ))
+}
+
+fn check_no_defines(args: &SceneArgs) -> Result<(), Failure> {
+    match args.define.first() {
+        None => Ok(()),
+        Some(first) => Err(Failure::wrong(
+            format!("-D {}: models have no keys to define", first.name),
+            "-D goes with a scene (.xml)",
+        )),
+    }
+}
+
+/// Reads a scene or models. Warnings are logged as well as kept.
 ///
 /// # Errors
 /// When the scene, or a file that it names, cannot be used.
-pub fn load(args: &SceneArgs) -> Result<Loaded, Failure> {
+pub fn load(
+    args: &SceneArgs,
+    input: &Input,
+    picture: Option<&PictureArgs>,
+) -> Result<Loaded, Failure> {
+    load_in(args, input, &args.studio, picture)
+}
+
+/// Reads a scene, or models without the light of a studio, which would stand among what is measured.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_unlit(args: &SceneArgs, input: &Input) -> Result<Loaded, Failure> {
+    let studio = StudioArgs {
+        sky: args.studio.sky.clone().or(Some(Sky::None)),
+        ..args.studio.clone()
+    };
+    load_in(args, input, &studio, None)
+}
+
+fn load_in(
+    args: &SceneArgs,
+    input: &Input,
+    studio: &StudioArgs,
+    picture: Option<&PictureArgs>,
+) -> Result<Loaded, Failure> {
     let textures = Arc::new(TextureStore::new(args.texture_memory));
     let mut options = ImportOptions::new(textures.clone());
     options.lenient = args.lenient;
@@ -48,7 +229,10 @@ pub fn load(args: &SceneArgs) -> Result<Loaded, Failure> {
         .iter()
         .map(|d| (d.name.clone(), d.value.clone()))
         .collect();
-    let description = mitsuba::load(&args.scene, &options)?;
+    let description = match input {
+        Input::Scene(path) => mitsuba::load(path, &options)?,
+        Input::Models(sources) => load_models(sources, studio, &options, picture)?,
+    };
     for warning in &description.warnings {
         tracing::warn!("{warning}");
     }
@@ -56,4 +240,34 @@ pub fn load(args: &SceneArgs) -> Result<Loaded, Failure> {
         description,
         textures,
     })
+}
+
+fn load_models(
+    sources: &[ModelSource],
+    args: &StudioArgs,
+    options: &ImportOptions,
+    picture: Option<&PictureArgs>,
+) -> Result<Description, Failure> {
+    let z_up = args.up == UpAxis::Z;
+    if let Some(path) = args.envmap.as_ref().filter(|p| !p.is_file()) {
+        let message = format!("there is no environment map {}", path.display());
+        return Err(Failure::wrong(message, "--envmap names an image file"));
+    }
+    let studio = Studio {
+        view: args.camera.clone(),
+        look_at: args.look_at,
+        fov_degrees: args.fov,
+        z_up,
+        sky: args.sky.clone(),
+        environment: args.envmap.clone(),
+        ground: args.ground.clone(),
+        size: picture.map_or((None, None), |p| (p.width, p.height)),
+    };
+    let settings = ModelOptions {
+        material: args.material.clone(),
+        z_up,
+    };
+    budget::check_files(sources)?;
+    let parts = models::load(sources, &settings, options)?;
+    Ok(studio.compose(parts)?)
 }

@@ -6,30 +6,38 @@
 
 pub mod args;
 pub mod bench;
+pub mod budget;
 pub mod check;
 pub mod checkpoint;
 pub mod compare;
 pub mod console;
 pub mod failure;
 pub mod farm;
+pub mod field;
+pub mod field_args;
 pub mod finish;
 pub mod generate;
 pub mod identity;
 pub mod info;
 pub mod interrupt;
 pub mod invalid;
+pub mod learning;
 pub mod load;
+pub mod make;
 pub mod measure_args;
 pub mod memory;
 pub mod merge;
+pub mod merge_fields;
 pub mod output;
 pub mod overrides;
 pub mod part_args;
 pub mod preview;
 pub mod progress;
 pub mod render;
+pub mod scene_args;
 pub mod single;
 pub mod threads;
+pub mod train;
 pub mod values;
 
 pub use args::Cli;
@@ -48,9 +56,13 @@ impl Cli {
         match &self.command {
             Command::Render(args) => render::run(args, &console),
             Command::Merge(args) => merge::run(args),
+            Command::Train(args) => train::run(args),
+            Command::Field(args) => field::run(args),
+            Command::MergeFields(args) => merge_fields::run(args),
             Command::Farm(args) => farm::run(args, self.threads),
             Command::Info(args) => info::run(args),
             Command::Check(args) => check::run(args),
+            Command::Make(args) => make::run(args),
             Command::Compare(args) => compare::run(args),
             Command::Bench(what) => bench::run(what),
             Command::Generate(args) => generate::run(args),

@@ -23,7 +23,7 @@ impl Outputs {
     /// When a name has no known format, or its directory cannot be written.
     pub fn plan(args: &FileArgs, scene: &Path, shard: Option<Shard>) -> Result<Self, Failure> {
         let images = if args.output.is_empty() {
-            vec![default_name(scene, shard)?]
+            vec![default_name(scene, shard, ".exr")?]
         } else {
             args.output.clone()
         };
@@ -156,8 +156,15 @@ fn rescue(path: &Path, picture: &Image, options: &WriteOptions) -> Option<PathBu
     image::write(&kept, picture, options).ok().map(|()| kept)
 }
 
-/// The scene's name with `.exr`, in the current directory; the shard's number before that.
-fn default_name(scene: &Path, shard: Option<Shard>) -> Result<PathBuf, Failure> {
+/// The scene's name with another extension, in the current directory; the shard's number before that.
+///
+/// # Errors
+/// When the scene has no name.
+pub fn default_name(
+    scene: &Path,
+    shard: Option<Shard>,
+    extension: &str,
+) -> Result<PathBuf, Failure> {
     let stem = scene.file_stem().ok_or_else(|| {
         let help = "name a scene file such as scene.xml";
         Failure::wrong(
@@ -169,7 +176,7 @@ fn default_name(scene: &Path, shard: Option<Shard>) -> Result<PathBuf, Failure> 
     if let Some(Shard { index, count }) = shard {
         name.push(format!(".{index}-of-{count}"));
     }
-    name.push(".exr");
+    name.push(extension);
     Ok(name.into())
 }
 

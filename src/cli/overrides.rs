@@ -1,9 +1,11 @@
 //! What the command line changes about a scene.
 
-use super::args::{Guide, LightArgs, PictureArgs, RFilter, RenderArgs, Sampler, StopArgs};
+use super::args::{LightArgs, PictureArgs, RFilter, RenderArgs, Sampler, StopArgs};
+use super::field_args::{GuideModel, LearnArgs, Teachers};
 use super::{Failure, memory};
 use crate::film::filter::Filter;
 use crate::film::{FilmDescription, Pixel};
+use crate::guide::ModelKind;
 use crate::integrate::PathSettings;
 use crate::integrate::learn::LearnSettings;
 use crate::integrate::render::Limits;
@@ -29,7 +31,7 @@ pub fn apply_to_film(args: &RenderArgs, description: &mut Description) -> Result
 }
 
 /// Sets the size; one side alone keeps the proportions. The scene's own crop grows with the film.
-fn resize(film: &mut FilmDescription, width: Option<u32>, height: Option<u32>) {
+pub fn resize(film: &mut FilmDescription, width: Option<u32>, height: Option<u32>) {
     let (old_width, old_height) = (film.width, film.height);
     let scaled = |side: u32, by: u32, of: u32| {
         let exact = f64::from(side) * f64::from(by) / f64::from(of);
@@ -132,22 +134,34 @@ pub fn path_settings(args: &LightArgs, scene: &RenderDescription) -> PathSetting
 /// Most scatterings of a photon where paths are unlimited: roulette has ended nearly all by then.
 const UNLIMITED_BOUNCES: u32 = 1000;
 
-/// How to learn the field, if one is wanted. Photons scatter as often as camera paths can.
-pub fn learn_settings(args: &LightArgs, path: &PathSettings) -> Option<LearnSettings> {
-    if args.guide == Guide::None {
-        return None;
+/// How to learn a field. Photons scatter as often as camera paths can.
+///
+/// # Errors
+/// When nothing is left to learn from.
+pub fn learn_settings(args: &LearnArgs, path: &PathSettings) -> Result<LearnSettings, Failure> {
+    let (photons, paths) = match args.train {
+        Teachers::Photons => (args.photons, 0),
+        Teachers::Paths => (0, args.paths),
+        Teachers::Both => (args.photons, args.paths),
+    };
+    if photons == 0 && paths == 0 {
+        let help = "give --photons or --paths a number above 0, or leave them away";
+        return Err(Failure::wrong("there is nothing to learn from", help));
     }
-    Some(LearnSettings {
-        photons: args.photons,
-        paths: args.paths,
+    Ok(LearnSettings {
+        photons,
+        paths,
         batches: args.batches,
         memory: args.guide_memory as u64,
         photon: PhotonSettings {
             max_bounces: path.max_depth.saturating_sub(2).min(UNLIMITED_BOUNCES),
             roulette_after: path.rr_depth.saturating_sub(2),
-            seed: args.seed,
+            seed: path.seed,
         },
-        model: Default::default(),
+        model: match args.guide_model {
+            GuideModel::Constant => ModelKind::Constant,
+            GuideModel::Vmf => ModelKind::Vmf,
+        },
     })
 }
 

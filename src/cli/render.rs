@@ -1,18 +1,17 @@
 //! `twintree render`: from a scene file to an image file.
 
-use super::args::{Accel, RenderArgs};
+use super::args::RenderArgs;
 use super::checkpoint::Checkpoint;
 use super::console::Console;
 use super::finish::Done;
 use super::identity::{self, Subject};
 use super::interrupt::Interrupt;
-use super::load::{self, Loaded};
+use super::load::{self, Input, Loaded};
 use super::output::Outputs;
 use super::preview::Tev;
 use super::progress::Watch;
 use super::values::Preview;
-use super::{Failure, invalid, overrides, threads};
-use crate::accel::{Backend, BuildSettings};
+use super::{Failure, invalid, learning, overrides, threads};
 use crate::camera::Camera;
 use crate::film::Film;
 use crate::integrate::learn::Learner;
@@ -49,14 +48,21 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
         return super::single::run(args, pixel.0);
     }
     let interrupt = Interrupt::listen(args.parts.saves())?;
-    let outputs = Outputs::plan(&args.files, &args.scene.scene, args.parts.shard)?;
+    let input = Input::of(&args.scene)?;
+    let outputs = Outputs::plan(&args.files, input.first_path(), args.parts.shard)?;
     let mut times = Times::default();
-    let (mut loaded, triangles) = read(args, &mut times)?;
-    let fingerprint = match args.parts.wanted() {
+    let (mut loaded, triangles) = read(args, &input, &mut times)?;
+    let field = learning::wanted_file(&args.guide)?;
+    let fingerprint = match args.parts.wanted() || field.is_some() {
         true => Some(loaded.fingerprint()?),
         false => None,
     };
-    let scene = timed(&mut times.build, || build(args, &mut loaded))?;
+    if let (Some(field), Some(scene)) = (&field, fingerprint) {
+        field.check(scene, args.guide.any_scene)?;
+    }
+    let scene = timed(&mut times.build, || {
+        loaded.build(args.accel, args.accel_build)
+    })?;
     let description = &loaded.description;
     let (width, height) = (description.film.width, description.film.height);
     let settings = overrides::path_settings(&args.light, &description.render);
@@ -69,8 +75,9 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
         settings: &settings,
         guide: None,
     };
-    let record = fingerprint.map(|scene| {
-        let subject = Subject::new(&plain, scene, triangles);
+    let record = fingerprint.filter(|_| args.parts.wanted()).map(|scene| {
+        let mut subject = Subject::new(&plain, scene, triangles);
+        subject.field = field.as_ref().map(|f| f.fingerprint);
         identity::record(args, &subject, &limits)
     });
     let mut film = identity::film(args, &description.film)?;
@@ -78,10 +85,18 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
     let Some(before) = go_on(args, &outputs, checkpoint.as_ref(), &mut film)? else {
         return Ok(());
     };
-    let mut learner = learner(args, &plain)?;
-    let photons = learner.as_ref().map_or(Duration::ZERO, Learner::elapsed);
+    let mut guiding = timed(&mut times.train, || {
+        learning::guiding(&args.guide, field, &plain)
+    })?;
+    let photons = guiding
+        .learner
+        .as_ref()
+        .map_or(Duration::ZERO, Learner::elapsed);
     let setting = Setting {
-        view: plain,
+        view: View {
+            guide: guiding.kept.as_ref(),
+            ..plain
+        },
         limits,
         checkpoint: checkpoint.as_ref(),
         before: Spent {
@@ -89,18 +104,18 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
             ..before
         },
     };
-    let guiding = learner.as_mut();
+    let learner = guiding.learner.as_mut();
     let summary = trace(
-        args, console, &interrupt, &outputs, &setting, guiding, &mut film,
+        args, console, &interrupt, &outputs, &setting, learner, &mut film,
     );
-    if let Some(learner) = &learner {
-        describe(learner);
+    if let Some(learner) = &guiding.learner {
+        learning::describe(learner);
         times.train = learner.elapsed().as_secs_f64();
     }
     let mut stats = measure(args, &scene, &loaded, &film, &summary);
     (stats.triangles, stats.load_seconds) = (triangles, times.load);
     (stats.build_seconds, stats.train_seconds) = (times.build, times.train);
-    stats.field_memory_bytes = (learner.as_ref()).map_or(0, |l| l.guide().field.bytes());
+    stats.field_memory_bytes = guiding.guide().map_or(0, |g| g.field.bytes());
     tracing::info!("{}", stats.sentence());
     invalid::warn(&film);
     let done = Done {
@@ -113,7 +128,7 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
     done.write(&film, &summary, &mut stats)?;
     let left_out = invalid::LeftOut {
         samples: stats.invalid_samples,
-        photons: learner.map_or(0, |l| l.counts().invalid),
+        photons: guiding.learner.map_or(0, |l| l.counts().invalid),
     };
     invalid::check(args, left_out)
 }
@@ -144,86 +159,20 @@ fn timed<T>(seconds: &mut f64, work: impl FnOnce() -> T) -> T {
 }
 
 /// Reads the scene, with what the command line changes about it; how many triangles it has.
-fn read(args: &RenderArgs, times: &mut Times) -> Result<(Loaded, u64), Failure> {
-    let mut loaded = timed(&mut times.load, || load::load(&args.scene))?;
+fn read(args: &RenderArgs, input: &Input, times: &mut Times) -> Result<(Loaded, u64), Failure> {
+    let mut loaded = timed(&mut times.load, || {
+        load::load(&args.scene, input, Some(&args.picture))
+    })?;
     overrides::apply_to_film(args, &mut loaded.description)?;
     let triangles = triangles(&loaded.description);
     tracing::info!(
         "{}: {} shapes, {} triangles, read in {}",
-        args.scene.scene.display(),
+        args.scene.title(),
         loaded.description.shapes.len(),
         words::count(triangles as f64),
         words::time(times.load)
     );
     Ok((loaded, triangles))
-}
-
-/// Builds the scene, and says what is odd about its lights.
-pub(super) fn build(args: &RenderArgs, loaded: &mut Loaded) -> Result<Scene, Failure> {
-    let start = Instant::now();
-    let backend = match args.accel {
-        None => Backend::default(),
-        Some(Accel::Embree) => Backend::Embree,
-        Some(Accel::Obvhs) => Backend::Obvhs,
-    };
-    let settings = BuildSettings {
-        threads: threads::count(),
-        ..BuildSettings::default()
-    };
-    let scene = Scene::build(&mut loaded.description, settings, backend)?;
-    tracing::debug!(
-        "{} holds {}, built in {}",
-        scene.rays.name(),
-        words::bytes(scene.rays.memory_bytes() as u64),
-        words::time(start.elapsed().as_secs_f64())
-    );
-    if scene.lights.is_empty() {
-        tracing::warn!("nothing in the scene shines: the image will be black");
-    }
-    if scene.lights.rejected_texels() > 0 {
-        tracing::warn!(
-            "{} values of environment maps were negative or not finite and count as 0",
-            scene.lights.rejected_texels()
-        );
-    }
-    Ok(scene)
-}
-
-/// Begins to learn the field, if one is wanted.
-pub(super) fn learner(args: &RenderArgs, view: &View) -> Result<Option<Learner>, Failure> {
-    let Some(settings) = overrides::learn_settings(&args.light, view.settings) else {
-        return Ok(None);
-    };
-    if view.scene.lights.is_empty() {
-        return Ok(None);
-    }
-    let learner = Learner::new(view.scene, &settings)?;
-    let counts = learner.counts();
-    tracing::info!(
-        "learned from {} photons ({} landings) in {}",
-        words::count(counts.emitted as f64),
-        words::count(counts.landings as f64),
-        words::time(learner.elapsed().as_secs_f64()),
-    );
-    if counts.invalid > 0 {
-        tracing::warn!(
-            "{} photons were not finite and were left out",
-            counts.invalid
-        );
-    }
-    Ok(Some(learner))
-}
-
-/// Says what was learned.
-fn describe(learner: &Learner) {
-    let stats = learner.stats();
-    tracing::info!(
-        "the field: {} links in {} cells, {}; learning it took {}",
-        words::count(stats.links as f64),
-        words::count(stats.space_cells as f64),
-        words::bytes(learner.guide().field.bytes()),
-        words::time(learner.elapsed().as_secs_f64()),
-    );
 }
 
 fn trace(
@@ -274,7 +223,7 @@ fn measure(
     let seconds = summary.elapsed.max(Duration::from_nanos(1)).as_secs_f64();
     Stats {
         version: env!("CARGO_PKG_VERSION").into(),
-        scene: args.scene.scene.display().to_string(),
+        scene: args.scene.title(),
         width: film.width(),
         height: film.height(),
         seed: args.light.seed,

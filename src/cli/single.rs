@@ -1,7 +1,8 @@
 //! `twintree render --pixel x,y --sample i`: one sample, traced again and printed vertex by vertex.
 
 use super::args::RenderArgs;
-use super::{Failure, load, overrides, render};
+use super::load::{self, Input};
+use super::{Failure, learning, overrides};
 use crate::camera::Camera;
 use crate::film::FilmDescription;
 use crate::integrate::inspect::{Step, Traced, teach_until, trace_sample};
@@ -15,12 +16,17 @@ use std::fmt::Write as _;
 /// # Errors
 /// When the scene cannot be used, or the pixel is not on the film.
 pub fn run(args: &RenderArgs, pixel: [u32; 2]) -> Result<(), Failure> {
-    let mut loaded = load::load(&args.scene)?;
+    let input = Input::of(&args.scene)?;
+    let mut loaded = load::load(&args.scene, &input, Some(&args.picture))?;
+    let field = learning::wanted_file(&args.guide)?;
+    if let Some(field) = &field {
+        field.check(loaded.fingerprint()?, args.guide.any_scene)?;
+    }
     overrides::apply_to_film(args, &mut loaded.description)?;
     check_pixel(&loaded.description.film, pixel)?;
     let shapes = loaded.description.shapes.iter();
     let names: Vec<String> = shapes.map(|s| s.name.clone()).collect();
-    let scene = render::build(args, &mut loaded)?;
+    let scene = loaded.build(args.accel, args.accel_build)?;
     let description = &loaded.description;
     let film = &description.film;
     let settings = overrides::path_settings(&args.light, &description.render);
@@ -32,14 +38,14 @@ pub fn run(args: &RenderArgs, pixel: [u32; 2]) -> Result<(), Failure> {
         settings: &settings,
         guide: None,
     };
-    let mut learner = render::learner(args, &plain)?;
+    let mut guiding = learning::guiding(&args.guide, field, &plain)?;
     let sample = args.doubt.sample;
-    if let Some(learner) = &mut learner {
+    if let Some(learner) = &mut guiding.learner {
         let limits = overrides::limits(&args.stop, &description.render);
         teach_until(&plain, learner, limits.spp, sample);
     }
     let view = View {
-        guide: learner.as_ref().map(|l| l.guide()),
+        guide: guiding.guide(),
         ..plain
     };
     let traced = trace_sample(&view, pixel, sample);

@@ -91,6 +91,35 @@ impl FromStr for Definition {
     }
 }
 
+/// A pixel of a film.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pixel {
+    /// Column, from the left.
+    pub x: u32,
+    /// Row, from the top.
+    pub y: u32,
+}
+
+impl FromStr for Pixel {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers = text
+            .split_once(',')
+            .map(|(x, y)| (x.trim().parse(), y.trim().parse()));
+        match numbers {
+            Some((Ok(x), Ok(y))) => Ok(Self { x, y }),
+            _ => Err("expected two whole numbers x,y such as 160,90".into()),
+        }
+    }
+}
+
+impl std::fmt::Display for Pixel {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{},{}", self.x, self.y)
+    }
+}
+
 /// A share of the film, `i/n` with `i` counted from 0.
 ///
 /// # Errors
@@ -214,6 +243,41 @@ pub fn noise(text: &str) -> Result<f32, String> {
     }
 }
 
+/// A field of view in degrees.
+///
+/// # Errors
+/// A sentence that says what was expected.
+pub fn field_of_view(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(degrees) if degrees > 0.0 && degrees < 180.0 => Ok(degrees),
+        _ => Err("expected degrees above 0 and below 180 such as 35".into()),
+    }
+}
+
+/// A number of things such as `500`, `20k`, `5M` or `1.5G`; the units are powers of 1000.
+///
+/// # Errors
+/// A sentence that says what was expected.
+pub fn amount(text: &str) -> Result<u64, String> {
+    const EXPECTED: &str = "expected a number above 0 such as 500, 20k, 5M or 1.5G";
+    let scaled = match text.parse::<f64>() {
+        Ok(number) => Some(number),
+        Err(_) => number_and_unit(text).and_then(|(number, unit, rest)| {
+            let factor = match (unit.to_ascii_lowercase().as_str(), rest) {
+                ("k", "") => 1e3,
+                ("m", "") => 1e6,
+                ("g", "") => 1e9,
+                _ => return None,
+            };
+            Some(number * factor)
+        }),
+    };
+    scaled
+        .filter(|n| *n >= 1.0 && *n < 1e15)
+        .map(|n| n as u64)
+        .ok_or_else(|| EXPECTED.into())
+}
+
 /// A limit on an error, or a time that may be none.
 ///
 /// # Errors
@@ -278,6 +342,29 @@ mod tests {
     }
 
     #[test]
+    fn amounts_are_read_in_powers_of_1000() {
+        for (text, expected) in [
+            ("500", 500),
+            ("20k", 20_000),
+            ("1.5M", 1_500_000),
+            ("2G", 2_000_000_000),
+        ] {
+            assert_eq!(amount(text), Ok(expected), "{text}");
+        }
+        for text in ["", "0", "-1", "k", "5X", "5MB", "nan", "inf"] {
+            assert!(amount(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn fields_of_view_are_below_180_degrees() {
+        assert_eq!(field_of_view("35"), Ok(35.0));
+        for text in ["0", "180", "-5", "wide", "nan"] {
+            assert!(field_of_view(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
     fn crops_hold_pixels() {
         assert_eq!("1,2,3,4".parse(), Ok(Crop([1, 2, 3, 4])));
         for text in [
@@ -289,6 +376,14 @@ mod tests {
             "-1,0,2,2",
         ] {
             assert!(text.parse::<Crop>().is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn pixels_are_two_numbers() {
+        assert_eq!("3,4".parse(), Ok(Pixel { x: 3, y: 4 }));
+        for text in ["", "3", "3,4,5", "-1,2", "a,b", "1.5,2"] {
+            assert!(text.parse::<Pixel>().is_err(), "{text}");
         }
     }
 

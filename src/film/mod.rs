@@ -1,7 +1,7 @@
 //! The film: where samples become pixels.
 //!
 //! Each sample belongs to one pixel. A reconstruction filter wider than a pixel is applied by drawing
-//! the sample's place from the filter ([`filter::Filter::sample`]) instead of spreading the sample over
+//! the sample's place from the filter ([`filter::FilterSampler::sample`]) instead of spreading the sample over
 //! pixels: pixels stay independent, so tiles need no borders, variance is per pixel, and the sum of a
 //! pixel does not depend on threads.
 

@@ -7,6 +7,7 @@
 //! with density q and value f, dKL/da = -(f/q) (p_field - p_bsdf) / q. It is followed by Adam on the
 //! logit of a, with a weak pull towards 1/2.
 
+use super::bytes::{Reader, Writer};
 use super::field::Field;
 use super::record::weight;
 use crate::math::{Rgb, Vec3};
@@ -38,8 +39,9 @@ pub struct FractionRecord {
     pub bsdf_pdf: f32,
 }
 
+/// A cell's fraction, and the state of the search for it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Adam {
+pub(crate) struct Adam {
     logit: f64,
     mean: f64,
     square: f64,
@@ -47,6 +49,37 @@ struct Adam {
 }
 
 impl Adam {
+    /// Size in a file.
+    pub const BYTES: usize = 3 * 8 + 4;
+
+    pub fn write(&self, w: &mut Writer) {
+        for v in [self.logit, self.mean, self.square] {
+            w.u64(v.to_bits());
+        }
+        w.u32(self.steps);
+    }
+
+    /// Reads what `write` wrote, if it is a state that the search can be in.
+    pub fn read(r: &mut Reader) -> Option<Self> {
+        let mut number = || r.u64().map(f64::from_bits);
+        let adam = Self {
+            logit: number()?,
+            mean: number()?,
+            square: number()?,
+            steps: r.u32()?,
+        };
+        let sound = (-20.0..=20.0).contains(&adam.logit)
+            && adam.mean.is_finite()
+            && adam.square.is_finite()
+            && adam.square >= 0.0;
+        sound.then_some(adam)
+    }
+
+    /// The fraction that it stands for.
+    fn share(&self) -> f32 {
+        (sigmoid(self.logit) as f32).clamp(FLOOR, 1.0 - FLOOR)
+    }
+
     fn step(&mut self, gradient: f64) {
         self.steps = self.steps.saturating_add(1);
         let n = self.steps.min(1 << 20) as i32;
@@ -97,6 +130,22 @@ impl Fractions {
         self.shares.get(cell as usize).copied().unwrap_or(UNKNOWN)
     }
 
+    /// The states of some cells.
+    pub(crate) fn of_cells(&self, cells: &[u32]) -> Vec<Adam> {
+        let state = |&c: &u32| self.cells.get(c as usize).copied().unwrap_or_default();
+        cells.iter().map(state).collect()
+    }
+
+    /// Sets them.
+    pub(crate) fn set_cells(&mut self, cells: &[u32], states: &[Adam]) {
+        for (&c, state) in cells.iter().zip(states) {
+            if let Some(cell) = self.cells.get_mut(c as usize) {
+                *cell = *state;
+                self.shares[c as usize] = state.share();
+            }
+        }
+    }
+
     /// Learns from a batch. Records with numbers that are not finite are ignored.
     pub fn update(&mut self, field: &Field, records: &[FractionRecord]) {
         let mut order: Vec<(u32, u32)> = records
@@ -129,7 +178,7 @@ impl Fractions {
             adam.step(gradient * a * (1.0 - a) + DECAY * adam.logit);
         }
         for (share, adam) in self.shares.iter_mut().zip(&self.cells) {
-            *share = (sigmoid(adam.logit) as f32).clamp(FLOOR, 1.0 - FLOOR);
+            *share = adam.share();
         }
     }
 }

@@ -88,11 +88,8 @@ impl Trainer {
     }
 
     fn add_visits(&mut self, other: &Self) {
-        for (a, b) in self
-            .space_preorder()
-            .into_iter()
-            .zip(other.space_preorder())
-        {
+        let (mine, theirs) = (self.space.preorder(), other.space.preorder());
+        for (a, b) in mine.into_iter().zip(theirs) {
             let b = &other.space.nodes[b as usize];
             let a = &mut self.space.nodes[a as usize];
             a.visits_before += b.visits_before;

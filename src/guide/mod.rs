@@ -119,9 +119,11 @@
 //! # Beside the tree
 //!
 //! * [`Fractions`] learns for each cell of R how often to sample the field instead of the BSDF.
-//! * [`Trainer::save`] and [`Trainer::load`] keep sums, not densities, so that a field can be trained
-//!   further elsewhere; damaged and foreign files are refused with a reason.
-//! * [`Trainer::set_importance`] confines refinement to cells that camera paths met.
+//! * [`FieldFile`] keeps sums, not densities, so that a field can be trained further elsewhere, and a
+//!   [`Ledger`] of what it has learned from, so that nothing is counted twice; damaged and foreign files
+//!   are refused with a reason and a place.
+//! * [`Trainer::set_importance`] and [`Trainer::set_importance_sample`] confine refinement to cells that
+//!   camera paths meet.
 //! * [`Field::random`] knows nothing: a renderer must draw the same mean with it.
 //! * [`Trainer::stats`] counts what there is.
 //!
@@ -132,10 +134,14 @@
 //! two threads; 58 bytes a link frozen, 305 while training (of which R's look-up tables are a part).
 
 mod again;
+mod bytes;
+mod content;
 mod field;
 mod file;
 mod fraction;
 mod freeze;
+mod importance;
+mod ledger;
 mod links;
 mod merge;
 mod model;
@@ -150,7 +156,9 @@ mod tally;
 mod train;
 
 pub use field::Field;
+pub use file::FieldFile;
 pub use fraction::{FLOOR, FractionRecord, Fractions};
+pub use ledger::{Ledger, Numbers};
 pub use model::ModelKind;
 pub use query::{GuideSample, LocalField};
 pub use record::{PathSample, Photon, SurfacePoint};

@@ -113,10 +113,15 @@ impl Trainer {
     /// split. The outcome depends on the accumulated sums alone.
     pub fn refine(&mut self) -> Refined {
         self.intakes.rounds += 1;
+        self.refit();
+        self.divide(None)
+    }
+
+    /// Models take in what was trained since the last time.
+    pub(crate) fn refit(&mut self) {
         let (space, links) = (&self.space, &self.product.links);
         let regions = |l: u32| super::train::region(space, &links[l as usize]);
         self.stats.refit(&regions, &self.table);
-        self.divide(None)
     }
 
     /// The splits of a round, without refitting models; of the links `only`, if there are any.

@@ -169,6 +169,12 @@ pub enum GuideError {
     /// Two fields cannot be added.
     #[error("cannot add the fields: {0}; train both from copies of one refined field")]
     Merge(String),
+    /// Two fields have learned from records that must not be added.
+    #[error("cannot add the fields: {0}")]
+    Records(String),
+    /// A field does not belong to what it is used with.
+    #[error("{0}")]
+    Foreign(String),
     /// The file could not be read or written.
     #[error("field file {path}: {source}")]
     Io {

@@ -6,7 +6,7 @@ use crate::math::{DVec3, Vec3};
 use rayon::prelude::*;
 
 /// Bits an axis in a position key.
-const AXIS_BITS: u32 = 20;
+pub(crate) const AXIS_BITS: u32 = 20;
 
 /// Turns positions into keys: 20 bits an axis, interleaved, so that the cell of level `l` is named by
 /// the upper `3 l` bits. Computed in `f64` from the corner, so that cells are exact far from the
@@ -68,6 +68,11 @@ impl Grid {
         ((key >> self.shift(level)) & 7) as u32
     }
 
+    /// Levels that divide normals.
+    pub fn normal_levels(&self) -> u8 {
+        u8::from(self.normal_split)
+    }
+
     /// Side length of a cell, in scene units.
     fn size(&self, level: u8) -> f64 {
         let spatial = level.saturating_sub(u8::from(self.normal_split));
@@ -94,7 +99,7 @@ fn normal_octant(n: Vec3) -> u64 {
 }
 
 #[inline]
-fn spread(mut x: u64) -> u64 {
+pub(crate) fn spread(mut x: u64) -> u64 {
     x = (x | (x << 32)) & 0x001f_0000_0000_ffff;
     x = (x | (x << 16)) & 0x001f_0000_ff00_00ff;
     x = (x | (x << 8)) & 0x100f_00f0_0f00_f00f;
@@ -102,7 +107,7 @@ fn spread(mut x: u64) -> u64 {
     (x | (x << 2)) & 0x1249_2492_4924_9249
 }
 
-fn squeeze(mut x: u64) -> u64 {
+pub(crate) fn squeeze(mut x: u64) -> u64 {
     x &= 0x0249_2492_4924_9249;
     x = (x | (x >> 2)) & 0x10c3_0c30_c30c_30c3;
     x = (x | (x >> 4)) & 0x100f_00f0_0f00_f00f;
@@ -136,6 +141,8 @@ pub(crate) struct Space {
     pub total_area: f64,
     /// Keys of positions that camera paths met, sorted; empty: everything matters.
     pub seen: Vec<u64>,
+    /// They are cells of this level, and tell nothing of what lies deeper.
+    pub seen_level: u8,
 }
 
 impl Space {
@@ -152,6 +159,7 @@ impl Space {
             points: Vec::new(),
             total_area: 0.0,
             seen: Vec::new(),
+            seen_level: 0,
         }
     }
 
@@ -213,7 +221,17 @@ impl Space {
 
     /// Whether a camera path met the node, or nobody said what cameras see.
     pub fn is_seen(&self, node: u32) -> bool {
-        self.seen.is_empty() || !self.range(node, &self.seen).is_empty()
+        let n = &self.nodes[node as usize];
+        if self.seen.is_empty() || self.seen_level == 0 {
+            return true;
+        }
+        if n.level <= self.seen_level {
+            return !self.range(node, &self.seen).is_empty();
+        }
+        let shift = self.grid.shift(self.seen_level - 1);
+        self.seen
+            .binary_search(&(n.prefix >> shift << shift))
+            .is_ok()
     }
 
     /// Path vertices in the node.
@@ -236,6 +254,25 @@ impl Space {
             }
             node = n.first + octant;
         }
+    }
+
+    /// Nodes in preorder: an order that does not depend on the history of splits.
+    pub fn preorder(&self) -> Vec<u32> {
+        let mut order = Vec::with_capacity(self.nodes.len());
+        let mut stack = vec![0u32];
+        while let Some(r) = stack.pop() {
+            order.push(r);
+            let first = self.nodes[r as usize].first;
+            if first != 0 {
+                stack.extend((first..first + 8).rev());
+            }
+        }
+        order
+    }
+
+    /// How many leaves there are: a division makes seven more.
+    pub fn leaf_count(&self) -> usize {
+        1 + self.nodes.len() / 8 * 7
     }
 
     pub fn centre(&self, node: u32) -> Vec3 {

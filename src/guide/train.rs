@@ -91,6 +91,18 @@ impl Trainer {
         &self.settings
     }
 
+    /// Says which scene the field belongs to.
+    pub fn set_scene(&mut self, hash: u64) {
+        self.settings.scene_hash = hash;
+    }
+
+    /// Ends training without refining: the records since there were `batches` are no batch, and are not
+    /// kept for a refinement.
+    pub(crate) fn conclude(&mut self, batches: u64) {
+        self.intakes.batches = batches;
+        self.recent = Recent::default();
+    }
+
     /// What came in so far.
     pub fn intakes(&self) -> Intakes {
         self.intakes
@@ -107,12 +119,6 @@ impl Trainer {
         } else {
             1.0
         };
-    }
-
-    /// Gives positions that camera paths met: cells without one are not refined any further. An
-    /// empty slice lifts the restriction.
-    pub fn set_importance(&mut self, points: &[SurfacePoint]) {
-        self.space.seen = self.space.keys(points);
     }
 
     /// *Train* on photons. `emitted` is how many photons the lights sent out to yield this batch.

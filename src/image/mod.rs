@@ -1,6 +1,6 @@
 //! Images: reading, writing and cached texture look-ups through Debian's OpenImageIO.
 //!
-//! [`read`] and [`write`] move whole images of any channels as linear `f32`; [`file::ImageFile`] reads
+//! [`read`] and [`write()`] move whole images of any channels as linear `f32`; [`file::ImageFile`] reads
 //! rows in the file's own precision, for textures. The format of a file to be written follows from its
 //! name. [`metrics`] says how far one image is from another. With the feature `oiio` off the `exr` crate reads and writes EXR, and nothing else is known.
 //!

@@ -7,8 +7,10 @@
 //! has learned ([`super::render`] does). [`learn`] makes paths of its own, for a field without an image.
 
 use super::guiding::Guide;
+use super::importance;
 use super::record::{Lessons, Records};
 use super::render::View;
+use super::trial::Verdict;
 use super::vertex::Walk;
 use super::wave::Wave;
 use crate::camera::CameraRay;
@@ -56,6 +58,8 @@ pub struct Learned {
     pub guide: Guide,
     /// What became of the photons.
     pub counts: PhotonCounts,
+    /// The trees with their sums: what learning further and keeping the field take.
+    pub trainer: Trainer,
     /// The trees in numbers.
     pub stats: Stats,
     /// Wall-clock time.
@@ -70,17 +74,22 @@ pub struct Learner {
     paths: u64,
     taught: u64,
     counts: PhotonCounts,
+    verdict: Option<Verdict>,
     elapsed: Duration,
 }
 
 impl Learner {
-    /// Learns from photons.
+    /// Learns from photons, where the paths of `view` may come.
     ///
     /// # Errors
     /// When the scene's bounds are empty or a setting is out of range.
-    pub fn new(scene: &Scene, settings: &LearnSettings) -> Result<Self, GuideError> {
+    pub fn new(view: &View, settings: &LearnSettings) -> Result<Self, GuideError> {
         let start = Instant::now();
+        let scene = view.scene;
         let mut trainer = prepare(scene, settings)?;
+        if settings.photons > 0 {
+            trainer.set_importance_sample(&importance::met_by_camera(view), importance::PER_CELL);
+        }
         let mut counts = PhotonCounts::default();
         for photons in batches(settings.photons, settings.batches) {
             let emitted = photons.end - photons.start;
@@ -95,6 +104,7 @@ impl Learner {
             paths: settings.paths,
             taught: 0,
             counts,
+            verdict: None,
             elapsed: start.elapsed(),
         })
     }
@@ -104,9 +114,25 @@ impl Learner {
         &self.guide
     }
 
+    /// What is known so far, unless it turned out that guiding does not pay.
+    pub fn worthwhile_guide(&self) -> Option<&Guide> {
+        let pays = self.verdict.is_none_or(|v| v.pays());
+        pays.then_some(&self.guide)
+    }
+
     /// Whether more camera paths are wanted.
     pub fn wants_more(&self) -> bool {
-        self.taught < self.paths
+        self.taught < self.paths && self.worthwhile_guide().is_some()
+    }
+
+    /// Takes note of whether guiding pays.
+    pub fn judge(&mut self, verdict: Verdict) {
+        self.verdict = Some(verdict);
+    }
+
+    /// Whether guiding pays, if that was tried.
+    pub fn verdict(&self) -> Option<Verdict> {
+        self.verdict
     }
 
     /// Learns from `paths` camera paths that were guided by what was known until now.
@@ -147,16 +173,17 @@ impl Learner {
 /// When the scene's bounds are empty or a setting is out of range.
 pub fn learn(view: &View, settings: &LearnSettings) -> Result<Learned, GuideError> {
     let start = Instant::now();
-    let mut learner = Learner::new(view.scene, settings)?;
+    let mut learner = Learner::new(view, settings)?;
     for paths in batches(settings.paths, settings.batches) {
         let count = paths.end - paths.start;
-        let lessons = lessons(view, learner.guide(), paths);
+        let lessons = lessons(view, Some(learner.guide()), paths);
         learner.take(&lessons, count);
     }
     Ok(Learned {
         stats: learner.stats(),
         counts: learner.counts,
         guide: learner.guide,
+        trainer: learner.trainer,
         elapsed: start.elapsed(),
     })
 }
@@ -193,10 +220,10 @@ fn prepare(scene: &Scene, settings: &LearnSettings) -> Result<Trainer, GuideErro
 
 /// Traces camera paths, in waves side by side whose lessons are joined in order. Path `i` of a film of
 /// n pixels looks through a pixel of its own, so that a long enough run covers the film evenly.
-fn lessons(view: &View, guide: &Guide, range: Range<u64>) -> Lessons {
+pub(super) fn lessons(view: &View, guide: Option<&Guide>, range: Range<u64>) -> Lessons {
     let starts: Vec<u64> = range.clone().step_by(WAVE_PATHS as usize).collect();
     let walk = Walk {
-        guide: Some(guide),
+        guide,
         ..view.walk()
     };
     let waves: Vec<_> = starts
@@ -246,7 +273,7 @@ fn batches(records: u64, count: u32) -> Vec<Range<u64>> {
 }
 
 /// Traces a batch, in waves side by side whose landings are joined in photon order.
-fn trace_batch(
+pub(super) fn trace_batch(
     scene: &Scene,
     settings: &LearnSettings,
     range: Range<u64>,

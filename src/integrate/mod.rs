@@ -9,7 +9,10 @@
 //! Each sample's numbers come from `(seed, pixel, sample)` alone and each pixel's sum is taken in sample
 //! order, so neither the tiles nor the threads can change a bit of the image.
 
+pub mod cells;
+pub mod extend;
 pub mod guiding;
+pub mod importance;
 pub mod inspect;
 pub mod learn;
 pub mod probe;
@@ -17,8 +20,12 @@ pub mod record;
 pub mod render;
 pub mod roulette;
 mod teach;
+pub mod trial;
 pub mod vertex;
 pub mod wave;
+
+#[cfg(test)]
+mod tests;
 
 use crate::math::PathSampler;
 use crate::scene::description::SamplerKind;

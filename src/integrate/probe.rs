@@ -155,3 +155,36 @@ pub fn brute_force(
 
 /// Sets the probe's random numbers apart from the image's.
 const PROBE: u64 = 0x9e37_79b9_7f4a_7c15;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn image(height: u32, value: impl Fn(Vec3) -> f32 + Sync) -> LatLong {
+        LatLong::of(height, |x, y| {
+            LatLong::mean(x, y, height, 4, |w| Rgb::splat(value(w)))
+        })
+    }
+
+    #[test]
+    fn rows_go_down_from_z_and_columns_around_it() {
+        let at = |x, y| direction(Vec2::new(x, y));
+        let near = |a: Vec3, b: Vec3| (a - b).length() < 1e-6;
+        assert!(near(at(0.3, 0.0), Vec3::Z) && near(at(0.3, 1.0), -Vec3::Z));
+        assert!(near(at(0.5, 0.5), Vec3::X) && near(at(0.75, 0.5), Vec3::Y));
+        assert!(near(at(0.0, 0.5), -Vec3::X));
+        let up = image(8, |w| w.z);
+        assert_eq!((up.width, up.pixels.len()), (16, 128));
+        assert!(up.pixels.windows(17).all(|w| w[0].x > w[16].x));
+    }
+
+    #[test]
+    fn integrals_are_those_of_the_sphere() {
+        let sum = |value: fn(Vec3) -> f32| image(64, value).integral().y;
+        assert!((sum(|_| 1.0) - 4.0 * PI).abs() < 1e-4);
+        assert!((sum(|w| w.z.max(0.0)) - PI).abs() < 1e-3);
+        assert!((sum(|w| w.x.max(0.0)) - PI).abs() < 3e-3);
+        assert!(sum(|w| w.y).abs() < 1e-4);
+        assert!((sum(|w| 3.0 * w.x * w.x) - 4.0 * PI).abs() < 5e-3);
+    }
+}

@@ -1,7 +1,7 @@
 //! What camera paths tell the field: at every rough vertex, where the path went on and how much light
 //! came back from there.
 //!
-//! While a path travels, a [`Record`] is opened at each vertex that could be guided and closed at the
+//! While a path travels, a `Record` is opened at each vertex that could be guided and closed at the
 //! next one: what the sample had come to by then is its *baseline*. When the path has ended, all that
 //! came in after the baseline, divided by the throughput with which the path left the vertex, is an
 //! estimate of the radiance that arrives there from that direction. Light straight from an emitter is

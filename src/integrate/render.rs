@@ -171,7 +171,7 @@ pub fn resume(
     }
     let job = Job {
         view: View {
-            guide: learner.map_or(view.guide, |l| Some(l.guide())),
+            guide: learner.map_or(view.guide, |l| l.worthwhile_guide()),
             ..*view
         },
         ..job
@@ -270,13 +270,17 @@ impl<'a> Job<'a> {
         }
     }
 
+    /// Rays traced in this go, by waves that are not in use.
+    pub(super) fn rays(&self) -> u64 {
+        let waves = self.waves.lock();
+        waves.map_or(0, |waves| waves.iter().map(Wave::rays_traced).sum())
+    }
+
     /// What the render has cost after `time`.
     pub(super) fn spent(&self, time: Duration) -> Spent {
-        let waves = self.waves.lock();
-        let rays: u64 = waves.map_or(0, |waves| waves.iter().map(Wave::rays_traced).sum());
         Spent {
             time,
-            rays: self.rays_before + rays,
+            rays: self.rays_before + self.rays(),
         }
     }
 
@@ -303,7 +307,7 @@ impl<'a> Job<'a> {
     /// if the film holds it. All samples of a pixel's share of a wave stand next to each other: their
     /// camera rays make coherent packets. `conclude` sees every wave's outcomes after `witness` has
     /// watched it.
-    pub(super) fn render_tile<W: Witness>(
+    pub(super) fn take_samples<W: Witness>(
         &self,
         walk: &Walk,
         tile: &mut Tile,
@@ -333,12 +337,26 @@ impl<'a> Job<'a> {
             add(tile, from..to, outcomes, &weights);
             from = to;
         }
-        if tile.is_held() && tile.done < range.end {
-            self.observer.tile_done((range.end - tile.done) * pixels);
-            tile.done = range.end;
-        }
         if let Ok(mut waves) = self.waves.lock() {
             waves.push(wave);
+        }
+    }
+
+    /// The same for samples of the image: the tile has taken them then.
+    pub(super) fn render_tile<W: Witness>(
+        &self,
+        walk: &Walk,
+        tile: &mut Tile,
+        range: Range<u64>,
+        witness: &mut W,
+        conclude: impl FnMut(&mut W, &[Outcome]),
+    ) {
+        let end = range.end;
+        self.take_samples(walk, tile, range, witness, conclude);
+        if tile.is_held() && tile.done < end {
+            let samples = (end - tile.done) * tile.area() as u64;
+            self.observer.tile_done(samples);
+            tile.done = end;
         }
     }
 

@@ -8,6 +8,7 @@ use super::guiding::Guide;
 use super::learn::Learner;
 use super::record::{Lessons, Records};
 use super::render::{Job, Limits, PASS_SPP, Progress};
+use super::trial::{self, trial};
 use super::vertex::Walk;
 use crate::film::Film;
 use rayon::prelude::*;
@@ -41,6 +42,10 @@ pub(super) fn teach(
         }
         learner.take(&lessons, paths / stride);
         from = to;
+        if from == trial::AFTER {
+            let verdict = trial(job, job.view.film, learner.guide());
+            learner.judge(verdict);
+        }
         let progress = Progress {
             spp: film.spp_done(),
             spp_limit: limits.spp,

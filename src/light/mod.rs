@@ -1,7 +1,7 @@
 //! Emitters: what shines, how it is sampled from a point (next-event estimation) and how photons leave it.
 //!
 //! Lights fall into two sets. *Local* ones are in the scene: triangles, exact shapes, points. They are
-//! the leaves of a [light tree](tree), so that choosing among a million takes seven steps. *Distant* ones
+//! the leaves of a light tree (`tree.rs`), so that choosing among a million takes seven steps. *Distant* ones
 //! are outside: images, skies, suns, parallel light; there are few, and each knows what it may send to a
 //! surface with a given normal. Which set a sample comes from follows both estimates at the point.
 //!

@@ -2,6 +2,7 @@
 
 pub mod accel;
 pub mod compare;
+pub mod field;
 pub mod names;
 pub mod scene;
 pub mod stats;

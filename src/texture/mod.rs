@@ -112,6 +112,12 @@ pub enum Texture {
     Grid(std::sync::Arc<Grid>),
     /// Another texture times a factor.
     Scale(std::sync::Arc<(Texture, Rgb)>),
+    /// Another texture times a factor, plus an offset.
+    Affine(std::sync::Arc<(Texture, Rgb, Rgb)>),
+    /// Two textures multiplied.
+    Product(std::sync::Arc<(Texture, Texture)>),
+    /// 1 where another texture reaches a threshold, 0 elsewhere (cut-out foliage).
+    Threshold(std::sync::Arc<(Texture, f32)>),
     /// An attribute of the mesh, by name; black where the mesh has none of that name.
     MeshAttribute(std::sync::Arc<str>),
 }
@@ -173,6 +179,9 @@ impl Texture {
             Texture::Checkerboard(board) => board.eval(point),
             Texture::Grid(grid) => grid.eval(point.uv),
             Texture::Scale(scaled) => scaled.0.eval(point) * scaled.1,
+            Texture::Affine(affine) => affine.0.eval(point) * affine.1 + affine.2,
+            Texture::Product(both) => both.0.eval(point) * both.1.eval(point),
+            Texture::Threshold(step) => Rgb::splat(reaches(step.0.eval_scalar(point), step.1)),
             Texture::MeshAttribute(name) => point.attribute(name),
         }
     }
@@ -184,7 +193,25 @@ impl Texture {
             Texture::Constant(c) => luminance(*c),
             Texture::Bitmap(bitmap) => bitmap.eval_scalar(point),
             Texture::Checkerboard(board) => board.at(point.uv).eval_scalar(point),
+            Texture::Threshold(step) => reaches(step.0.eval_scalar(point), step.1),
             other => luminance(other.eval(point)),
+        }
+    }
+
+    /// Another texture with the values of this one times `factor`.
+    pub fn scaled(self, factor: Rgb) -> Self {
+        match self {
+            same if factor == Rgb::ONE => same,
+            Texture::Constant(c) => Texture::Constant(c * factor),
+            texture => Texture::Scale(std::sync::Arc::new((texture, factor))),
+        }
+    }
+
+    /// This texture times another.
+    pub fn times(self, other: Self) -> Self {
+        match (self, other) {
+            (texture, Texture::Constant(c)) | (Texture::Constant(c), texture) => texture.scaled(c),
+            both => Texture::Product(std::sync::Arc::new(both)),
         }
     }
 
@@ -197,6 +224,11 @@ impl Texture {
             Texture::Checkerboard(board) => (board.color0.mean() + board.color1.mean()) * 0.5,
             Texture::Grid(grid) => grid.color0.lerp(grid.color1, grid.line_share()),
             Texture::Scale(scaled) => scaled.0.mean() * scaled.1,
+            Texture::Affine(affine) => affine.0.mean() * affine.1 + affine.2,
+            // Exact where the two are independent of each other.
+            Texture::Product(both) => both.0.mean() * both.1.mean(),
+            // How much of the texture reaches the threshold is not known.
+            Texture::Threshold(_) => Rgb::splat(0.5),
             Texture::MeshAttribute(_) => Rgb::splat(0.5),
         }
     }
@@ -206,9 +238,21 @@ impl Texture {
         match self {
             Texture::Constant(c) => Some(*c),
             Texture::Scale(scaled) => scaled.0.constant().map(|c| c * scaled.1),
+            Texture::Affine(affine) => affine.0.constant().map(|c| c * affine.1 + affine.2),
+            Texture::Product(both) => Some(both.0.constant()? * both.1.constant()?),
+            Texture::Threshold(step) => {
+                let value = luminance(step.0.constant()?);
+                Some(Rgb::splat(reaches(value, step.1)))
+            }
             _ => None,
         }
     }
+}
+
+/// 1 if `value` is at least `threshold`, else 0.
+#[inline]
+fn reaches(value: f32, threshold: f32) -> f32 {
+    if value >= threshold { 1.0 } else { 0.0 }
 }
 
 impl SurfacePoint<'_> {

@@ -3,7 +3,16 @@
 use super::support::Place;
 use std::process::{Command, Stdio};
 
-const COMMANDS: [&str; 3] = ["render", "info", "check"];
+const COMMANDS: [&str; 8] = [
+    "render",
+    "merge",
+    "farm",
+    "info",
+    "check",
+    "train",
+    "field",
+    "merge-fields",
+];
 
 #[test]
 fn man_pages_cover_every_command_and_option_that_help_shows() {

@@ -51,15 +51,15 @@ run_tests() {
     command=$(cd "$checkout" && readme_command Tests)
     [ "$release" != bookworm ] || command="cargo test --release --lib --test cli"
     say "$release: $command"
-    timed "$release" "build tests" enter "$image" sh -c "$command --no-run"
-    timed "$release" "tests" enter "$image" sh -c "$command"
+    timed "$work/$release.times" "build tests" enter "$image" sh -c "$command --no-run"
+    timed "$work/$release.times" "tests" enter "$image" sh -c "$command"
 }
 
 render_picture() {
     local release=$1 image=$2 command picture=$2/src/twintree/cornell.png
     command=$(cd "$checkout" && readme_command "A picture")
     say "$release: $command"
-    timed "$release" "build and picture" enter "$image" sh -c "$command"
+    timed "$work/$release.times" "build and picture" enter "$image" sh -c "$command"
     [ "$(head -c 4 "$picture" | tail -c 3)" = PNG ] || fail "$picture is no PNG"
     # A picture of one colour packs into far less.
     [ "$(stat -c %s "$picture")" -gt 20000 ] || fail "$picture has nothing on it"
@@ -85,10 +85,12 @@ check_embree() {
 
 # usage: build_and_test RELEASE IMAGE
 build_and_test() {
-    local release=$1 image=$2
+    local release=$1 image=$2 times=$work/$1.times
     copy_checkout "$image"
     say "$release: ffi/install-debian.sh"
-    timed "$release" "packages" install_dependencies "$release" "$image"
+    timed "$times" "packages" install_dependencies "$release" "$image"
+    # Before the first build: what it compiles until it stops is kept, and nothing is compiled twice.
+    timed "$times" "missing packages" check_missing_packages "$image"
     render_picture "$release" "$image"
     run_tests "$release" "$image"
     check_exit_codes "$image"

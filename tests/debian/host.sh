@@ -1,16 +1,28 @@
 # What the images take over from the host: network settings and downloads. Sourced by tests/debian/run.
 
+# Kibibytes that an image, what is built in it and what is kept between runs take.
+needed_space=8000000
+
 # Why the images cannot be made here; nothing if they can.
 why_not() {
+    local free
     if [ "$(id -u)" -ne 0 ]; then
         echo "root is needed, for mounts and chroot"
-    elif ! command -v dpkg >/dev/null; then
-        echo "this is not Debian"
-    elif ! command -v debootstrap >/dev/null; then
-        echo "debootstrap is not installed (apt-get install debootstrap)"
-    elif ! unshare --mount --propagation private true 2>/dev/null; then
-        echo "mounting is not allowed here (a container without CAP_SYS_ADMIN?)"
+        return
     fi
+    for program in dpkg debootstrap findmnt unshare wget; do
+        command -v $program >/dev/null ||
+            { echo "$program is not installed (apt-get install debootstrap brings what Debian lacks)"; return; }
+    done
+    mkdir -p "$cache"
+    unshare --mount --propagation private bash "$here/permitted.sh" "$cache" 2>/dev/null ||
+        { echo "mounts, devices or chroot are not permitted (a container without CAP_SYS_ADMIN?)"; return; }
+    free=$(df --output=avail "$cache" | tail -n 1)
+    [ "$free" -ge $needed_space ] ||
+        { echo "$cache has $((free / 1000000)) GB free, $((needed_space / 1000000)) are needed"; return; }
+    # What debootstrap uses, so with its proxies.
+    wget --quiet --tries 2 --timeout 20 --output-document /dev/null "$(mirror)/dists/trixie/Release" ||
+        echo "the Debian mirror $(mirror) cannot be reached (TWINTREE_DEBIAN_MIRROR names another)"
 }
 
 # The mirror that apt uses on the host for Debian itself, or Debian's own.
@@ -51,6 +63,8 @@ image_environment() {
     echo LC_ALL=C.UTF-8
     echo DEBIAN_FRONTEND=noninteractive
     echo CARGO_TERM_COLOR=never
+    # Nothing here is built twice, and what incremental builds keep for that costs time and space.
+    echo CARGO_INCREMENTAL=0
     for name in http_proxy https_proxy ftp_proxy no_proxy HTTP_PROXY HTTPS_PROXY NO_PROXY \
         CARGO_BUILD_JOBS RUSTUP_DIST_SERVER RUSTUP_UPDATE_ROOT; do
         [ -z "${!name:-}" ] || echo "$name=${!name}"

@@ -24,18 +24,33 @@ check_dependencies() {
     expect_text libopenimageio2 "$work/info.log"
 }
 
-# The first x86-64 processors had SSE2 and nothing newer: the program must not take more for granted.
+# The first x86-64 processors had SSE2 and nothing newer: the program must not take more for granted. That
+# the emulated processor has no more is seen by a program that does.
 start_on_oldest_processor() {
-    local image=$1
+    local image=$1 program=target/debian/stage/debian/twintree/usr/bin/twintree
     [ "$(uname -m)" = x86_64 ] || return 0
-    enter "$image" qemu-x86_64 -cpu qemu64 target/debian/stage/debian/twintree/usr/bin/twintree \
-        render scenes/cornell/cornell.xml -D resx=16 -D resy=9 --spp 1 -o /tmp/oldest.exr
+    say "on a processor with SSE2 and nothing newer"
+    enter "$image" sh -c "echo 'int main(void) { __asm__(\"vpaddd %ymm0, %ymm0, %ymm0\"); return 0; }' |
+        cc -x c -o /tmp/newer -"
+    # 132: ended by SIGILL.
+    expect_exit_code 132 enter "$image" qemu-x86_64 -cpu qemu64 /tmp/newer
+    enter "$image" qemu-x86_64 -cpu qemu64 $program --help >"$work/help.log"
+    expect_text "Usage: twintree" "$work/help.log"
+    enter "$image" qemu-x86_64 -cpu qemu64 $program render scenes/cornell/cornell.xml \
+        -D resx=16 -D resy=16 --spp 4 --guide double --photons 5000 --paths 2000 \
+        -o /tmp/oldest.exr -o /tmp/oldest.png
+    enter "$image" qemu-x86_64 -cpu qemu64 $program render scenes/cornell/cornell.xml \
+        -D resx=16 -D resy=16 --spp 4 --accel obvhs -o /tmp/oldest-obvhs.exr
+    # The same light, on whatever processor it was computed.
+    enter "$image" $program render scenes/cornell/cornell.xml \
+        -D resx=16 -D resy=16 --spp 4 --accel obvhs -o /tmp/newest-obvhs.exr
+    enter "$image" $program compare /tmp/oldest-obvhs.exr --reference /tmp/newest-obvhs.exr --max-relmse 0.001
 }
 
 # Installs the package on a base system with what it depends on, and renders one of its scenes.
-# usage: install_package RELEASE BUILD_IMAGE IMAGE
+# usage: install_package RELEASE IMAGE
 install_package() {
-    local release=$1 image=$3 log=$work/user.log
+    local release=$1 image=$2 log=$work/user.log
     say "$release: the package on a bare system"
     make_image "$release" "$image"
     cp "$work/$release.deb" "$image/root/twintree.deb"

@@ -8,7 +8,7 @@ base_archive() {
     local made=$work/$release-base
     debootstrap --variant=minbase "$release" "$made" "$(mirror)" >"$work/debootstrap.log" 2>&1 ||
         { tail -n 20 "$work/debootstrap.log" "$made/debootstrap/debootstrap.log" >&2 || true
-          fail "debootstrap $release"; }
+          skip "debootstrap could not make $release from $(mirror)"; }
     tar --create --file "$archive.part" --directory "$made" .
     mv "$archive.part" "$archive"
     rm -rf --one-file-system "$made"
@@ -59,21 +59,23 @@ enter() {
         /bin/sh -c 'cd /src/twintree 2>/dev/null || cd /; exec "$@"' sh "$@"
 }
 
-# Removes all images. What is mounted in them belongs to others: nothing is deleted before all of that is gone.
-remove_images() {
-    local target
-    [ -z "${TWINTREE_DEBIAN_KEEP:-}" ] || { echo "kept: $work"; return 0; }
+# Removes an image, or all of them. What is mounted in it belongs to others: nothing is deleted before all
+# of that is gone.
+# usage: remove_image DIRECTORY
+remove_image() {
+    local directory=$1 target
+    [ -z "${TWINTREE_DEBIAN_KEEP:-}" ] || { echo "kept: $directory"; return 0; }
     while read -r target; do
         umount --lazy "$target"
-    done < <(mounts_of_images | sort --reverse)
-    [ -z "$(mounts_of_images)" ] || { echo "still mounted, so not removed: $work" >&2; return 1; }
-    rm -rf --one-file-system "$work"
+    done < <(mounts_below "$directory" | sort --reverse)
+    [ -z "$(mounts_below "$directory")" ] || { echo "still mounted, so not removed: $directory" >&2; return 1; }
+    rm -rf --one-file-system "$directory"
 }
 
-# Mount points below $work.
-mounts_of_images() {
+# usage: mounts_below DIRECTORY
+mounts_below() {
     findmnt --raw --noheadings --output TARGET |
         while read -r target; do
-            case $target in "$work"/*) echo "$target" ;; esac
+            case $target in "$1"/*) echo "$target" ;; esac
         done
 }

@@ -88,9 +88,14 @@ pub fn build(
         meshes: Vec::new(),
     };
     let mut groups = Vec::with_capacity(world.groups.len());
+    let mut used = vec![false; world.groups.len()];
+    for instance in &world.instances {
+        if let Some(flag) = used.get_mut(instance.group as usize) {
+            *flag = true;
+        }
+    }
     for (index, group) in world.groups.iter().enumerate() {
-        let used = world.instances.iter().any(|i| i.group as usize == index);
-        groups.push(if used {
+        groups.push(if used[index] {
             Some(assembly.group(index, group)?)
         } else {
             None

@@ -38,7 +38,7 @@ fn accel(args: &BenchAccelArgs) -> Result<(), Failure> {
     let inside = closed::rays_inside(&subject, args.rays as usize);
     let mut report = AccelBench {
         version: env!("CARGO_PKG_VERSION").into(),
-        scene: args.scene.scene.display().to_string(),
+        scene: args.scene.title(),
         triangles: subject.triangles,
         threads: threads::count(),
         rays: sets.camera.len(),

@@ -6,6 +6,9 @@ use super::plan::Plan;
 /// The job template, in YAML.
 pub fn template(plan: &Plan) -> String {
     let threads = plan.threads.as_deref();
+    let train = plan.train(threads);
+    let after = train.as_ref().map_or("", |_| AFTER_TRAIN);
+    let train = train.map_or(String::new(), |command| training(plan, &command));
     format!(
         r#"# {made_by}
 specificationVersion: jobtemplate-2023-09
@@ -27,8 +30,8 @@ jobEnvironments:
       TWINTREE: "{{{{Param.Program}}}}"
       TWINTREE_DIRECTORY: "{{{{Param.Directory}}}}"
 steps:
-  - name: Render
-    parameterSpace:
+{train}  - name: Render
+{after}    parameterSpace:
       taskParameterDefinitions:
         - name: Shard
           type: INT
@@ -71,5 +74,29 @@ steps:
         prepare = plan.prepare(),
         shard = plan.shard("{{Task.Param.Shard}}", threads),
         merge = plan.merge(),
+    )
+}
+
+const AFTER_TRAIN: &str = "    dependencies:\n      - dependsOn: Train\n";
+
+/// The step that learns the field.
+fn training(plan: &Plan, train: &str) -> String {
+    let prepare = plan.prepare();
+    format!(
+        r#"  - name: Train
+    script:
+      actions:
+        onRun:
+          command: sh
+          args: ["{{{{Task.File.run}}}}"]
+      embeddedFiles:
+        - name: run
+          type: TEXT
+          data: |
+            set -eu
+            cd "$TWINTREE_DIRECTORY"
+            {prepare}
+            exec {train}
+"#
     )
 }

@@ -34,7 +34,9 @@ impl Plan {
     pub fn new(args: &FarmArgs, threads: Option<u16>) -> Result<Self, Failure> {
         let mut words = words::sort(&args.render)?;
         if words.outputs.is_empty() {
-            let stem = Path::new(&words.scene).file_stem().unwrap_or_default();
+            let stem = Path::new(words.scene.first().map_or("", String::as_str))
+                .file_stem()
+                .unwrap_or_default();
             words.outputs = vec![format!("{}.exr", stem.to_string_lossy())];
         }
         let first = words.outputs.first().cloned().unwrap_or_default();
@@ -63,15 +65,30 @@ impl Plan {
         format!("mkdir -p {}", quote(&self.parts))
     }
 
+    /// The shell's command to learn the field that all shards are guided by, if they are.
+    pub fn train(&self, threads: Option<&str>) -> Option<String> {
+        let words = self.words.train.as_ref()?;
+        let mut line = vec![PROGRAM.to_owned(), "train".into()];
+        line.extend(self.words.scene.iter().map(|word| quote(word)));
+        line.extend(words.iter().map(|word| quote(word)));
+        line.push(format!("-o {}", self.field()));
+        line.extend(threads.map(|n| format!("-j {n}")));
+        Some(line.join(" "))
+    }
+
+    fn field(&self) -> String {
+        quote(&format!("{}/light.field", self.parts))
+    }
+
     /// The shell's command to render a shard, whose number is what the shell makes of `index`;
     /// `threads` is its number of threads, likewise.
     pub fn shard(&self, index: &str, threads: Option<&str>) -> String {
-        let mut line = vec![
-            PROGRAM.to_owned(),
-            "render".into(),
-            quote(&self.words.scene),
-        ];
+        let mut line = vec![PROGRAM.to_owned(), "render".into()];
+        line.extend(self.words.scene.iter().map(|word| quote(word)));
         line.extend(self.words.render.iter().map(|word| quote(word)));
+        if self.words.train.is_some() {
+            line.push(format!("--field {}", self.field()));
+        }
         let count = self.shards;
         line.push(format!("--shard \"{index}/{count}\""));
         line.push(format!(

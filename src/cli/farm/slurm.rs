@@ -6,13 +6,8 @@ use super::plan::{Plan, quote};
 pub fn script(plan: &Plan) -> String {
     let directory = std::env::current_dir().unwrap_or_default();
     let directory = quote(&directory.display().to_string());
-    let (name, parts, last, slots) = (&plan.name, quote(&plan.parts), plan.last(), plan.slots);
-    let cpus = match &plan.threads {
-        Some(count) => format!("#SBATCH --cpus-per-task={count}\n"),
-        None => String::new(),
-    };
-    let shard = plan.shard("$SLURM_ARRAY_TASK_ID", Some("\"${SLURM_CPUS_ON_NODE:-1}\""));
-    format!(
+    let (shards, made_by, prepare) = (plan.shards, &plan.made_by, plan.prepare());
+    let mut text = format!(
         r#"#!/bin/sh
 # Submits to Slurm: {shards} shards, then their merge.
 #   {made_by}
@@ -21,15 +16,60 @@ pub fn script(plan: &Plan) -> String {
 set -eu
 cd {directory}
 {prepare}
-render=$(sbatch --parsable "$@" <<'END'
+"#
+    );
+    let train = plan.train(Some(THREADS));
+    if let Some(train) = &train {
+        text += &job(plan, "train", "", &cpus(plan), train);
+    }
+    let after = train.map_or("", |_| AFTER_TRAIN);
+    text += &job(plan, "render", after, &array(plan), &shard(plan));
+    text += &job(plan, "merge", AFTER_RENDER, "", &plan.merge());
+    text + "echo \"shards: $render, merge: $merge\"\n"
+}
+
+/// What Slurm gives is what is used.
+const THREADS: &str = "\"${SLURM_CPUS_ON_NODE:-1}\"";
+const AFTER_TRAIN: &str = "--dependency=\"afterok:$train\" --kill-on-invalid-dep=yes ";
+const AFTER_RENDER: &str = "--dependency=\"afterok:$render\" --kill-on-invalid-dep=yes ";
+
+/// A job of one kind, whose number goes into a variable of that name.
+fn job(plan: &Plan, kind: &str, after: &str, settings: &str, commands: &str) -> String {
+    let (name, parts) = (&plan.name, quote(&plan.parts));
+    let log = if kind == "render" {
+        format!("%a-of-{}", plan.shards)
+    } else {
+        kind.into()
+    };
+    format!(
+        r#"{kind}=$(sbatch --parsable {after}"$@" <<'END'
 #!/bin/sh
-#SBATCH --job-name={name}
-#SBATCH --array=0-{last}%{slots}
-{cpus}#SBATCH --output={parts}/%a-of-{shards}.log
+#SBATCH --job-name={name}-{kind}
+#SBATCH --output={parts}/{log}.log
 #SBATCH --open-mode=append
 #SBATCH --requeue
-#SBATCH --signal=B:TERM@60
-# A minute before the time is up the render is told, leaves a checkpoint and ends with 75.
+{settings}{commands}
+END
+)
+"#
+    )
+}
+
+fn cpus(plan: &Plan) -> String {
+    let count = plan.threads.as_ref();
+    count.map_or(String::new(), |n| format!("#SBATCH --cpus-per-task={n}\n"))
+}
+
+fn array(plan: &Plan) -> String {
+    let (last, slots, cpus) = (plan.last(), plan.slots, cpus(plan));
+    format!("#SBATCH --array=0-{last}%{slots}\n{cpus}#SBATCH --signal=B:TERM@60\n")
+}
+
+/// A shard that is put back into the queue when it was interrupted.
+fn shard(plan: &Plan) -> String {
+    let shard = plan.shard("$SLURM_ARRAY_TASK_ID", Some(THREADS));
+    format!(
+        r#"# A minute before the time is up the render is told, leaves a checkpoint and ends with 75.
 trap 'kill -TERM "$render"' TERM
 {shard} &
 render=$!
@@ -42,21 +82,6 @@ done
 # Killed (137: out of memory, a machine in trouble): again, but not for ever.
 [ "$code" != 137 ] || [ "${{SLURM_RESTART_COUNT:-0}}" -ge 5 ] || code=75
 [ "$code" != 75 ] || scontrol requeue "$SLURM_JOB_ID"
-exit "$code"
-END
-)
-merge=$(sbatch --parsable --dependency="afterok:$render" --kill-on-invalid-dep=yes "$@" <<'END'
-#!/bin/sh
-#SBATCH --job-name={name}-merge
-#SBATCH --output={parts}/merge.log
-{merge}
-END
-)
-echo "shards: $render, merge: $merge"
-"#,
-        shards = plan.shards,
-        made_by = plan.made_by,
-        prepare = plan.prepare(),
-        merge = plan.merge(),
+exit "$code""#
     )
 }

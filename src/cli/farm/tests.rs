@@ -19,20 +19,34 @@ fn farm(line: &str) -> FarmArgs {
     }
 }
 
+/// The order of options is clap's affair.
+fn by_order(mut words: Words) -> Words {
+    words.render.sort();
+    words.merge.sort();
+    words.train.iter_mut().for_each(|train| train.sort());
+    words
+}
+
 #[test]
 fn words_are_sorted_by_who_needs_them() {
-    let line = "--spp 64 room.xml -o a.exr --guide double -D x=1 -D y=-2 --aov albedo,depth --lenient \
+    let line = "--spp 64 room.xml -o a.exr --guide double --photons 9 --seed 5 -D x=1 -D y=-2 --aov albedo,depth --lenient \
                 --exposure -1.5 -o b.png --stats s.json --checkpoint 5m --resume -j 3 --quiet";
     let words = sort(&typed(line)).unwrap();
     let expected = Words {
-        scene: "room.xml".into(),
-        render: typed("--spp 64 --define x=1 --define y=-2 --lenient --guide double --quiet"),
+        scene: vec!["room.xml".into()],
+        train: Some(typed(
+            "--define x=1 --define y=-2 --lenient --seed 5 --photons 9 --quiet",
+        )),
+        render: typed("--spp 64 --define x=1 --define y=-2 --lenient --seed 5 --quiet"),
         merge: typed("--aov albedo,depth --exposure=-1.5 --stats s.json"),
         outputs: typed("a.exr b.png"),
         checkpoint: Some("5m".into()),
         threads: Some("3".into()),
     };
-    assert_eq!(words, expected);
+    assert_eq!(by_order(words), by_order(expected));
+    let kept = sort(&typed("room.xml --field a.field --any-scene")).unwrap();
+    assert_eq!(kept.train, None);
+    assert_eq!(kept.render, typed("--field a.field --any-scene"));
 }
 
 /// What is sorted and put together again says what was said: clap itself is the judge.
@@ -74,6 +88,31 @@ fn commands_of_shards_and_merge_parse_back() {
 }
 
 #[test]
+fn guided_shards_get_a_field_that_is_learned_once() {
+    let plan = Plan::new(
+        &farm("room.xml --guide double --paths 7 --spp 9 -o a.exr"),
+        None,
+    )
+    .unwrap();
+    let train = plan.train(None).unwrap();
+    assert!(
+        train.contains("train room.xml --paths 7 -o a.exr.parts/light.field"),
+        "{train}"
+    );
+    let shard = plan.shard("2", None);
+    assert!(
+        shard.contains("--spp 9 --field a.exr.parts/light.field --shard"),
+        "{shard}"
+    );
+    assert!(
+        !shard.contains("--guide") && !shard.contains("--paths"),
+        "{shard}"
+    );
+    let plain = Plan::new(&farm("room.xml --guide none"), None).unwrap();
+    assert_eq!(plain.train(None), None);
+}
+
+#[test]
 fn what_a_farm_cannot_do_is_refused_with_a_reason() {
     for (line, why) in [
         ("a.xml --time 3m", "--spp"),
@@ -107,9 +146,23 @@ fn odd_names_stay_one_word_in_a_shell() {
 
 #[test]
 fn jobs_have_names_that_every_queue_takes() {
-    for (image, name) in [("out/Küche 2.exr", "k-che-2"), ("---.exr", "twintree")] {
+    for (image, name) in [("out/Küche 2.exr", "k-che-2"), ("out/---.exr", "twintree")] {
         let mut args = farm("scene.xml");
         args.render.extend(["-o".into(), image.into()]);
         assert_eq!(Plan::new(&args, None).unwrap().name, name);
     }
+}
+
+#[test]
+fn models_and_what_is_around_them_reach_the_shards() {
+    let words = "a.glb b.ply@scale=2 --ground --camera orbit:-30,20 --sky=white";
+    let typed: Vec<String> = words.split(' ').map(str::to_owned).collect();
+    let sorted = sort(&typed).unwrap();
+    assert_eq!(sorted.scene, ["a.glb", "b.ply@scale=2"]);
+    let line = sorted.render.join(" ");
+    for part in ["--ground", "--camera orbit:-30,20", "--sky white"] {
+        assert!(line.contains(part), "{line}");
+    }
+    let typed = ["a.glb", "--ground=mirror"].map(str::to_owned);
+    assert_eq!(sort(&typed).unwrap().render, ["--ground=mirror"]);
 }

@@ -2,14 +2,17 @@
 
 use crate::cli::Failure;
 use crate::cli::args::Cli;
+use crate::cli::field_args::Guide;
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, CommandFactory};
 
 /// What `twintree render` was told, by the one who needs to know.
 #[derive(Debug, Default, PartialEq)]
 pub struct Words {
-    /// The scene file.
-    pub scene: String,
+    /// The scene file, or the models.
+    pub scene: Vec<String>,
+    /// Options of training, where shards are guided by a field that is learned first.
+    pub train: Option<Vec<String>>,
     /// Options of every shard: what shapes pixels, and how the machine is used.
     pub render: Vec<String>,
     /// Options of the merge: what is written, and how.
@@ -64,12 +67,17 @@ pub fn sort(words: &[String]) -> Result<Words, Failure> {
             )
         })?;
     let mut sorted = Words::default();
-    let (Some(command), Some(matches)) = (
+    let (Some(train), Some(command), Some(matches)) = (
+        command.find_subcommand("train"),
         command.find_subcommand("render"),
         matches.subcommand_matches("render"),
     ) else {
         return Ok(sorted);
     };
+    let of_training = |id: &str| train.get_arguments().any(|arg| arg.get_id() == id);
+    let guide = matches.get_one::<Guide>("guide").copied();
+    let learns = guide.is_some_and(|g| g != Guide::None) && !matches.contains_id("field");
+    sorted.train = learns.then(Vec::new);
     for arg in command.get_arguments() {
         let id = arg.get_id().as_str();
         if matches.value_source(id) != Some(ValueSource::CommandLine) {
@@ -83,16 +91,28 @@ pub fn sort(words: &[String]) -> Result<Words, Failure> {
         }
         let values = values(matches, id, arg.get_value_delimiter());
         match (id, values.last()) {
-            ("scene", Some(scene)) => sorted.scene = scene.clone(),
+            ("files", _) => sorted.scene = all_values(matches, id),
             ("output", _) => sorted.outputs = values,
             ("checkpoint", Some(interval)) => sorted.checkpoint = Some(interval.clone()),
             ("threads", Some(count)) => sorted.threads = Some(count.clone()),
             // Shards always go on where they were.
             ("resume", _) => {}
+            ("guide", _) if learns => {}
             _ if arg.get_help_heading() == Some("Output") => {
-                sorted.merge.extend(typed_again(arg, &values))
+                sorted.merge.extend(typed_again(arg, &values));
             }
-            _ => sorted.render.extend(typed_again(arg, &values)),
+            _ => {
+                let words = typed_again(arg, &values);
+                let teaches = of_training(id);
+                if let Some(train) = sorted.train.as_mut().filter(|_| teaches) {
+                    train.extend(words.iter().cloned());
+                }
+                // How to learn is nothing to a shard that gets a field.
+                let learning = arg.get_help_heading() == Some("Guiding");
+                if !(learns && teaches && learning) {
+                    sorted.render.extend(words);
+                }
+            }
         }
     }
     Ok(sorted)
@@ -110,6 +130,12 @@ fn values(matches: &ArgMatches, id: &str, delimiter: Option<char>) -> Vec<String
         .collect()
 }
 
+/// All values of an argument that takes several at once.
+fn all_values(matches: &ArgMatches, id: &str) -> Vec<String> {
+    let values = matches.get_raw(id).into_iter().flatten();
+    values.map(|v| v.to_string_lossy().into_owned()).collect()
+}
+
 /// An option as it may be typed.
 fn typed_again(arg: &Arg, values: &[String]) -> Vec<String> {
     let name = format!("--{}", arg.get_long().unwrap_or_default());
@@ -118,7 +144,10 @@ fn typed_again(arg: &Arg, values: &[String]) -> Vec<String> {
     }
     let mut words = Vec::new();
     for value in values {
-        if value.starts_with('-') {
+        // Options whose value may be left out have it behind an equals sign or not at all.
+        if arg.is_require_equals_set() && value.is_empty() {
+            words.push(name.clone());
+        } else if arg.is_require_equals_set() || value.starts_with('-') {
             words.push(format!("{name}={value}"));
         } else {
             words.extend([name.clone(), value.clone()]);

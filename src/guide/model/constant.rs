@@ -2,7 +2,7 @@
 //! density 1 / solid angle, and there is nothing to learn beyond the flux that the tree keeps.
 
 use super::{LocalModel, Query, Region};
-use crate::guide::file::{Reader, Writer};
+use crate::guide::bytes::{Reader, Writer};
 use crate::guide::record::Deposit;
 use crate::guide::tally::Table;
 use crate::math::equal_area::DirectionCell;

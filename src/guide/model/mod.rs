@@ -14,7 +14,7 @@ mod vmf;
 pub(crate) use constant::Constant;
 pub(crate) use vmf::Vmf;
 
-use super::file::{Reader, Writer};
+use super::bytes::{Reader, Writer};
 use super::links::Link;
 use super::record::{Deposit, Origin};
 use super::settings::Product;

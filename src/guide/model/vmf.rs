@@ -9,7 +9,7 @@
 
 use super::lobe::{Lobe, Sums};
 use super::{LocalModel, Query, Region};
-use crate::guide::file::{Reader, Writer};
+use crate::guide::bytes::{Reader, Writer};
 use crate::guide::record::Deposit;
 use crate::guide::settings::Product;
 use crate::guide::tally::Table;

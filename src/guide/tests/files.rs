@@ -1,7 +1,9 @@
 //! Files: round trips, refusals, and garbage.
 
 use super::synthetic::{disk_light, unit_box};
-use crate::guide::{ModelKind, Product, Settings, Trainer};
+use crate::guide::{
+    FieldFile, FractionRecord, Fractions, Ledger, ModelKind, Numbers, Product, Settings, Trainer,
+};
 use crate::math::{Pcg32, Rgb, Vec2, Vec3};
 
 fn trained(model: ModelKind) -> Trainer {
@@ -46,7 +48,8 @@ fn a_file_brings_back_the_same_field() {
 fn damage_is_named() {
     let bytes = trained(ModelKind::Constant).to_bytes();
     let error = |b: &[u8]| Trainer::from_bytes(b).unwrap_err().to_string();
-    assert!(error(b"").contains("magic"));
+    assert!(error(b"").contains("byte 0"));
+    assert!(error(b"P6 3 3 255").contains("not a field"));
     assert!(error(&bytes[..30]).contains("cut off"));
     assert!(error(&bytes[..bytes.len() - 1]).contains("cut off"));
     let mut b = bytes.clone();
@@ -138,4 +141,100 @@ fn mend(b: &mut [u8]) {
     let mut crc = flate2::Crc::new();
     crc.update(&b[24..]);
     b[20..24].copy_from_slice(&crc.sum().to_le_bytes());
+}
+
+/// A field with a history and with fractions that differ from cell to cell.
+fn kept(model: ModelKind) -> FieldFile {
+    let trainer = trained(model);
+    let field = trainer.freeze();
+    let mut fractions = Fractions::new(&field);
+    let mut rng = Pcg32::new(8, 9);
+    let records: Vec<FractionRecord> = (0..3000)
+        .map(|_| FractionRecord {
+            position: Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32()),
+            normal: Vec3::Z,
+            value: Rgb::ONE,
+            pdf: 1.0,
+            guide_pdf: 2.0 * rng.next_f32(),
+            bsdf_pdf: rng.next_f32(),
+        })
+        .collect();
+    fractions.update(&field, &records);
+    let ledger = Ledger {
+        recipe: "made up".to_owned(),
+        photons: Numbers::new(0..500, 0..500),
+        paths: Numbers::new(0..0, 0..0),
+        unrefined: false,
+    };
+    FieldFile::new(trainer, ledger, &field, &fractions)
+}
+
+#[test]
+fn fractions_and_ledger_come_back_whatever_the_order_of_cells() {
+    for model in ModelKind::ALL {
+        let file = kept(*model);
+        let (field, fractions) = file.freeze();
+        let back = FieldFile::from_bytes(&file.to_bytes()).unwrap();
+        assert_eq!(back.ledger, file.ledger);
+        assert!(back.to_bytes() == file.to_bytes());
+        let (other, others) = back.freeze();
+        let mut rng = Pcg32::new(1, 1);
+        let mut seen = std::collections::HashSet::new();
+        for _ in 0..2000 {
+            let x = Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32());
+            let of = |f: &crate::guide::Field, s: &Fractions| s.fraction(f.cell(x, Vec3::Z));
+            assert_eq!(of(&field, &fractions), of(&other, &others));
+            seen.insert(of(&field, &fractions).to_bits());
+        }
+        assert!(seen.len() > 3, "{model:?}: all the same");
+    }
+}
+
+#[test]
+fn a_file_that_is_cut_anywhere_is_refused_with_the_byte() {
+    let bytes = kept(ModelKind::Constant).to_bytes();
+    for n in (0..bytes.len()).step_by(64) {
+        let error = FieldFile::from_bytes(&bytes[..n]).unwrap_err().to_string();
+        assert!(
+            error.contains(&format!("cut off at byte {n}")),
+            "{n}: {error}"
+        );
+    }
+}
+
+#[test]
+fn a_bit_that_flips_anywhere_is_noticed() {
+    let mut bytes = kept(ModelKind::Vmf).to_bytes();
+    let stride = (bytes.len() / 1500).max(1);
+    let places = (0..24).chain((24..bytes.len()).step_by(stride));
+    for at in places {
+        let bit = 1u8 << (at % 8);
+        bytes[at] ^= bit;
+        let error = FieldFile::from_bytes(&bytes).unwrap_err().to_string();
+        assert!(error.contains("byte"), "{at}: {error}");
+        bytes[at] ^= bit;
+    }
+    assert!(FieldFile::from_bytes(&bytes).is_ok());
+}
+
+#[test]
+fn fields_with_common_records_are_not_added() {
+    let base = kept(ModelKind::Constant);
+    let error = base.clone().merge(&base).unwrap_err().to_string();
+    assert!(
+        error.contains("both contain the photons 0 to 499"),
+        "{error}"
+    );
+    let mut sum = base.clone();
+    sum.merge(&base.emptied()).unwrap();
+    assert!(sum.ledger.photons == base.ledger.photons);
+    assert!(sum.trainer.to_bytes() == base.trainer.to_bytes());
+    let mut other = base.emptied();
+    other.ledger.recipe = "made otherwise".to_owned();
+    let error = base.clone().merge(&other).unwrap_err().to_string();
+    assert!(error.contains("made up and made otherwise"), "{error}");
+    let mut other = base.emptied();
+    other.fractions.clear();
+    let error = base.clone().merge(&other).unwrap_err().to_string();
+    assert!(error.contains("fractions"), "{error}");
 }

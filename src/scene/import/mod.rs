@@ -2,12 +2,16 @@
 
 use std::path::PathBuf;
 
+pub mod gltf;
 pub mod ior;
 pub mod mesh;
 pub mod mitsuba;
+pub mod models;
 mod options;
+pub mod parts;
 pub mod spectrum;
 mod spectrum_tables;
+pub mod studio;
 
 pub use options::{ImportOptions, LoadMesh, OpenTexture};
 

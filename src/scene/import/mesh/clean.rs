@@ -207,5 +207,9 @@ fn pack(raw: Raw, warnings: Vec<String>) -> Result<Loaded, Unusable> {
             list: raw.attributes,
         },
     };
-    Ok(Loaded { mesh, warnings })
+    Ok(Loaded {
+        mesh,
+        warnings,
+        face_materials: raw.face_materials,
+    })
 }

@@ -1,10 +1,10 @@
-//! Triangle meshes from files: Wavefront OBJ, PLY and Mitsuba's `serialized`.
+//! Triangle meshes from files: Wavefront OBJ, PLY, STL and Mitsuba's `serialized`.
 //!
 //! ```text
 //!  file --mapped--> bytes --obj, ply, serialized--> Raw --clean--> Mesh
 //! ```
 //!
-//! A reader (`obj`, `ply`, `serialized`) only knows its format: it leaves a `Raw` mesh with positions
+//! A reader (`obj`, `ply`, `stl`, `serialized`) only knows its format: it leaves a `Raw` mesh with positions
 //! already in world space (transformed in `f64`, then rounded once) and indices that are in range.
 //! `clean` makes of it what the renderer may rely on: finite positions, no triangle without area, unit
 //! normals. What it repairs it counts in [`Loaded::warnings`].
@@ -20,6 +20,8 @@ mod obj;
 mod ply;
 mod polygon;
 mod serialized;
+mod split;
+mod stl;
 #[cfg(test)]
 mod tests;
 mod text;
@@ -30,6 +32,8 @@ use crate::math::{DAffine3, DVec3, Vec2, Vec3};
 use crate::scene::description::Mesh;
 use crate::texture::MeshAttribute;
 use std::path::Path;
+
+pub use split::split;
 
 /// What a scene says about a mesh beside its file.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,6 +54,21 @@ pub struct MeshOptions {
     /// Drop what cannot be used (triangles at vertices that are not finite, meshes left without
     /// triangles) with a warning instead of an error.
     pub lenient: bool,
+    /// Of an OBJ file, keep which material each face has: as the attribute [`FACE_MATERIAL`] and
+    /// [`Loaded::face_materials`].
+    pub face_materials: bool,
+}
+
+/// Name of the attribute of faces that numbers their materials.
+pub const FACE_MATERIAL: &str = "face_material";
+
+/// The materials that an OBJ file names.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct FaceMaterials {
+    /// Names, in the order of their numbers; empty for faces before the first.
+    pub names: Vec<String>,
+    /// Files that define them, relative to the OBJ file.
+    pub libraries: Vec<String>,
 }
 
 impl Default for MeshOptions {
@@ -62,6 +81,7 @@ impl Default for MeshOptions {
             max_smooth_angle: None,
             shape_index: 0,
             lenient: false,
+            face_materials: false,
         }
     }
 }
@@ -75,6 +95,8 @@ pub enum MeshKind {
     Ply,
     /// Mitsuba's `serialized`.
     Serialized,
+    /// Stereolithography, ASCII or binary.
+    Stl,
 }
 
 impl MeshKind {
@@ -85,6 +107,7 @@ impl MeshKind {
             "obj" => Some(Self::Obj),
             "ply" => Some(Self::Ply),
             "serialized" => Some(Self::Serialized),
+            "stl" => Some(Self::Stl),
             _ => None,
         }
     }
@@ -97,6 +120,8 @@ pub struct Loaded {
     pub mesh: Mesh,
     /// Repairs in words, each with how often and where first; without the file's name.
     pub warnings: Vec<String>,
+    /// Materials of an OBJ file, if they were asked for.
+    pub face_materials: FaceMaterials,
 }
 
 /// Reads a mesh. Uses rayon's threads; the result does not depend on their number.
@@ -128,7 +153,58 @@ pub fn read(
         MeshKind::Obj => obj::read(data, options).map_err(|e| e.in_text(data, path)),
         MeshKind::Ply => ply::read(data, options, path),
         MeshKind::Serialized => serialized::read(data, options).map_err(|e| e.in_binary(path)),
+        MeshKind::Stl => stl::read(data, options, path),
     }?;
+    clean::finish(raw, options).map_err(|e| e.in_file(path))
+}
+
+/// A mesh in memory, as a reader of another format has it: object space, indices not checked.
+#[derive(Debug, Default)]
+pub struct Buffers {
+    /// Positions.
+    pub positions: Vec<Vec3>,
+    /// Normals of any length, one for each position.
+    pub normals: Option<Vec<Vec3>>,
+    /// Texture coordinates, one for each position.
+    pub uvs: Option<Vec<Vec2>>,
+    /// Corners of each triangle.
+    pub triangles: Vec<[u32; 3]>,
+    /// Named values.
+    pub attributes: Vec<MeshAttribute>,
+}
+
+/// Makes of buffers what [`load`] makes of a file; `path` is for messages.
+///
+/// # Errors
+/// As [`load`].
+pub fn from_buffers(
+    buffers: Buffers,
+    options: &MeshOptions,
+    path: &Path,
+) -> Result<Loaded, ImportError> {
+    let count = buffers.positions.len();
+    let beyond = |t: &[u32; 3]| t.iter().any(|&i| i as usize >= count);
+    if let Some(at) = buffers.triangles.iter().position(beyond) {
+        let names = buffers.triangles[at];
+        return Err(ImportError {
+            at: None,
+            file: Some(path.to_owned()),
+            message: format!("triangle {at} names vertices {names:?}, but there are {count}"),
+            help: None,
+        });
+    }
+    let mut positions = buffers.positions;
+    for p in &mut positions {
+        *p = place(&options.to_world, p.x.into(), p.y.into(), p.z.into());
+    }
+    let raw = Raw {
+        positions,
+        normals: buffers.normals,
+        uvs: buffers.uvs,
+        triangles: buffers.triangles,
+        attributes: buffers.attributes,
+        ..Raw::default()
+    };
     clean::finish(raw, options).map_err(|e| e.in_file(path))
 }
 
@@ -145,6 +221,7 @@ struct Raw {
     attributes: Vec<MeshAttribute>,
     /// The file asks for flat shading.
     flat: bool,
+    face_materials: FaceMaterials,
 }
 
 /// Something wrong at a byte of a file.

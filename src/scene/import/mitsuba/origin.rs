@@ -5,9 +5,9 @@
 //! moved towards the origin in `f64`, before any rounding. Light does not notice. What still has not got
 //! enough digits (a cup in a landscape) is a warning.
 
-use super::framing::{shape_bounds, world_bounds};
 use crate::accel::{Bounds, LARGEST};
 use crate::math::{DAffine3, DVec3};
+use crate::scene::import::parts::{bounds_of, shape_bounds};
 use crate::scene::{Description, Shape};
 
 /// A scene is far away when the middle of its bounds is this many times its radius from the origin: five of
@@ -26,7 +26,7 @@ const STEPS: f32 = 1024.0;
 /// differ by a multiple of the grid are moved to the same place. A scene that was `moved` already, by
 /// bounds that rounding had spoiled, is moved on until its middle is within half a grid.
 pub(super) fn far_origin(description: &Description, moved: bool) -> Option<DVec3> {
-    let bounds = world_bounds(&description.shapes, &description.instances);
+    let bounds = bounds_of(&description.shapes, &description.instances);
     let (center, radius) = (bounds.center(), bounds.radius());
     let distance = center.abs().max_element();
     let radius = radius.max(distance * f32::EPSILON);

@@ -133,7 +133,7 @@ impl<'a> Importer<'a> {
         let at = p.place_of("filename");
         let shape_index = match kind {
             MeshKind::Serialized => p.count("shape_index", 0, 0)? as usize,
-            MeshKind::Obj | MeshKind::Ply => 0,
+            MeshKind::Obj | MeshKind::Ply | MeshKind::Stl => 0,
         };
         let angle = p.number("max_smooth_angle")?;
         let options = MeshOptions {
@@ -145,6 +145,7 @@ impl<'a> Importer<'a> {
             max_smooth_angle: angle.map(|a| a as f32),
             shape_index,
             lenient: self.options.lenient,
+            ..MeshOptions::default()
         };
         Ok(PendingGeometry::File(Request {
             path: self.document.resolve(at, name),

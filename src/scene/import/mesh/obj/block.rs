@@ -25,6 +25,10 @@ pub(super) struct Block {
     pub corners: Vec<Corner>,
     /// Corners of each face.
     pub sizes: Vec<u32>,
+    /// Names of materials (`usemtl`), each with the number of faces of the block before it.
+    pub materials: Vec<(usize, String)>,
+    /// Files that define materials (`mtllib`).
+    pub libraries: Vec<String>,
     /// Which indices (3 * corner + stream) are relative to the block.
     relative: Vec<usize>,
 }
@@ -47,6 +51,14 @@ pub(super) fn parse(
             b"vt" => block.uv(&mut cursor, options)?,
             b"vn" => block.normal(&mut cursor)?,
             b"f" => block.face(&mut cursor)?,
+            b"usemtl" if options.face_materials => {
+                let name = rest_of_line(&mut cursor);
+                block.materials.push((block.sizes.len(), name));
+            }
+            b"mtllib" if options.face_materials => {
+                let library = rest_of_line(&mut cursor);
+                block.libraries.push(library);
+            }
             _ => {}
         }
         cursor.next_line();
@@ -198,6 +210,18 @@ impl Block {
             cursor.next_line();
         }
         self.range.start
+    }
+}
+
+/// What is left of a line, without the blanks around it.
+fn rest_of_line(cursor: &mut Cursor) -> String {
+    let mut words: Vec<String> = Vec::new();
+    loop {
+        cursor.skip_blanks();
+        if cursor.at_line_end() {
+            return words.join(" ");
+        }
+        words.push(String::from_utf8_lossy(cursor.word()).into_owned());
     }
 }
 

@@ -5,7 +5,7 @@ use super::*;
 #[test]
 fn triangles_without_area_are_dropped_and_counted() {
     let text = "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 4\nf 1 2 3\nf 1 1 4\nf 2 3 4\n";
-    let Loaded { mesh, warnings } = obj(text);
+    let Loaded { mesh, warnings, .. } = obj(text);
     assert_eq!(mesh.triangles.triangles(), &[[0, 1, 3], [1, 2, 3]]);
     assert_eq!(warnings.len(), 1);
     assert!(
@@ -26,7 +26,7 @@ fn a_position_that_is_not_finite_is_named() {
             lenient: true,
             ..MeshOptions::default()
         };
-        let Loaded { mesh, warnings } = read_text(MeshKind::Obj, &text, &options).unwrap();
+        let Loaded { mesh, warnings, .. } = read_text(MeshKind::Obj, &text, &options).unwrap();
         assert_eq!(mesh.triangles.triangles().len(), 1);
         assert!(mesh.triangles.positions().iter().all(|p| p.is_finite()));
         assert!(
@@ -40,7 +40,7 @@ fn a_position_that_is_not_finite_is_named() {
 fn unusable_normals_take_the_surface_s() {
     for bad in ["0 0 0", "nan 0 0"] {
         let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 1 1\nvn {bad}\nf 1//1 2//2 3//2\n");
-        let Loaded { mesh, warnings } = obj(&text);
+        let Loaded { mesh, warnings, .. } = obj(&text);
         let normals = mesh.normals.unwrap();
         assert!(normals[0].distance(Vec3::new(0.0, 0.5, 0.5).normalize()) < 1e-6);
         assert_eq!(normals[1..], [Vec3::Z; 2]);

@@ -74,7 +74,7 @@ fn the_project_s_own_meshes_need_no_repair() {
                 continue;
             };
             let loaded = load(&path, kind, &MeshOptions::default());
-            let Loaded { mesh, warnings } = loaded.unwrap_or_else(|e| panic!("{e}"));
+            let Loaded { mesh, warnings, .. } = loaded.unwrap_or_else(|e| panic!("{e}"));
             assert!(warnings.is_empty(), "{}: {warnings:?}", path.display());
             assert!(area(&mesh) > 0.0);
             count += 1;

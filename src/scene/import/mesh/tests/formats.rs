@@ -35,7 +35,7 @@ fn all_formats_give_the_same_mesh() {
     // The two poles have triangles without area: one of each pair of a quadrilateral.
     let triangles = model.triangles.len() - 2 * 48;
     for (kind, bytes) in all_files(&model) {
-        let Loaded { mesh, warnings } = loaded(kind, &bytes, &options);
+        let Loaded { mesh, warnings, .. } = loaded(kind, &bytes, &options);
         assert_eq!(warnings.len(), 1, "{kind:?}: {warnings:?}");
         assert!(warnings[0].starts_with("96 triangles without area"));
         assert_eq!(mesh.triangles.triangles().len(), triangles);
@@ -143,7 +143,7 @@ fn obj_blocks_agree_with_one_block() {
 fn obj_reads_what_exporters_write() {
     let text = "mtllib a.mtl\r\nv 0 0 0 1.0\r\nv\t1 0 0\r\nv 1 1 \\\r\n 0\r\nv 0 1 0\r\n\
                 vt 0.5\r\ng a b\r\ns off\r\nusemtl x\r\n  f 1/1 2/1 3/1 4/1   # quad\r\nl 1 2\r\n";
-    let Loaded { mesh, warnings } = obj(text);
+    let Loaded { mesh, warnings, .. } = obj(text);
     assert!(warnings.is_empty(), "{warnings:?}");
     assert_eq!(mesh.triangles.triangles(), &[[0, 1, 2], [0, 2, 3]]);
     assert_eq!(mesh.uvs.unwrap()[0], Vec2::new(0.5, 0.0));

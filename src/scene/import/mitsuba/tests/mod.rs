@@ -39,6 +39,7 @@ fn one_triangle(_: &Path, _: MeshKind, options: &MeshOptions) -> Result<Loaded, 
             ..Mesh::default()
         },
         warnings: Vec::new(),
+        face_materials: Default::default(),
     })
 }
 

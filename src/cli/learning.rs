@@ -1,0 +1,217 @@
+//! Learned fields, as the commands share them: learning one, reading one, and what is said about it.
+
+use super::field_args::{Guide as Way, GuideArgs, LearnArgs};
+use super::{Failure, overrides};
+use crate::guide::FieldFile;
+use crate::image::atomic;
+use crate::integrate::extend::{check_scene, to_guide};
+use crate::integrate::guiding::Guide;
+use crate::integrate::learn::{Learned, Learner, learn};
+use crate::integrate::render::View;
+use crate::integrate::trial;
+use crate::photon::PhotonCounts;
+use crate::report::words;
+use std::path::{Path, PathBuf};
+use xxhash_rust::xxh3::xxh3_64;
+
+/// A field that was read.
+pub struct Opened {
+    /// Its name.
+    pub path: PathBuf,
+    /// What is in it.
+    pub file: FieldFile,
+    /// A number that tells it from others.
+    pub fingerprint: u64,
+}
+
+impl Opened {
+    /// Reads a field.
+    ///
+    /// # Errors
+    /// When it cannot be read, is not a field, or is damaged.
+    pub fn read(path: &Path) -> Result<Self, Failure> {
+        let bytes = std::fs::read(path)
+            .map_err(|e| Failure::Wrong(format!("{} cannot be read: {e}", path.display())))?;
+        let file = FieldFile::from_bytes(&bytes)
+            .map_err(|e| Failure::Wrong(format!("{}: {e}", path.display())))?;
+        Ok(Self {
+            path: path.to_owned(),
+            file,
+            fingerprint: xxh3_64(&bytes),
+        })
+    }
+
+    /// Refuses a field of another scene; with `any_scene` it only warns.
+    ///
+    /// # Errors
+    /// When it is of another scene.
+    pub fn check(&self, scene: u64, any_scene: bool) -> Result<(), Failure> {
+        let Err(why) = check_scene(self.file.trainer.settings(), scene) else {
+            return Ok(());
+        };
+        let message = format!("{}: {why}", self.path.display());
+        if any_scene {
+            tracing::warn!("{message}");
+            return Ok(());
+        }
+        let help = "learn one with \"twintree train\", or take it all the same with --any-scene";
+        Err(Failure::wrong(message, help))
+    }
+}
+
+/// The field that a render is to be guided by, if it is in a file.
+///
+/// # Errors
+/// When it cannot be used, or guiding is switched off beside it.
+pub fn wanted_file(args: &GuideArgs) -> Result<Option<Opened>, Failure> {
+    let Some(path) = &args.field else {
+        return Ok(None);
+    };
+    if args.guide == Some(Way::None) {
+        let help = "leave one of them away";
+        return Err(Failure::wrong(
+            "--guide none does not go with --field",
+            help,
+        ));
+    }
+    Opened::read(path).map(Some)
+}
+
+/// What guides a render: a field that was kept, one that is learned on the way, or nothing.
+#[derive(Default)]
+pub struct Guiding {
+    /// From a file.
+    pub kept: Option<Guide>,
+    /// Learned on the way.
+    pub learner: Option<Learner>,
+}
+
+impl Guiding {
+    /// What is known so far, if anything is.
+    pub fn guide(&self) -> Option<&Guide> {
+        let learned = self.learner.as_ref().map(Learner::guide);
+        learned.or(self.kept.as_ref())
+    }
+}
+
+/// Prepares guiding, if it is wanted: by the field of a file, or by a new one.
+///
+/// # Errors
+/// When there is nothing to learn from.
+pub fn guiding(args: &GuideArgs, opened: Option<Opened>, view: &View) -> Result<Guiding, Failure> {
+    if let Some(opened) = opened {
+        let guide = to_guide(&opened.file);
+        tracing::info!(
+            "guided by {}: {}, {}",
+            opened.path.display(),
+            records(&opened.file),
+            words::bytes(guide.field.bytes())
+        );
+        return Ok(Guiding {
+            kept: Some(guide),
+            learner: None,
+        });
+    }
+    if args.guide.unwrap_or(Way::None) == Way::None {
+        return Ok(Guiding::default());
+    }
+    let settings = overrides::learn_settings(&args.learn, view.settings)?;
+    if view.scene.lights.is_empty() {
+        return Ok(Guiding::default());
+    }
+    let learner = Learner::new(view, &settings)?;
+    let counts = learner.counts();
+    tracing::info!(
+        "learned from {} photons ({} landings) in {}",
+        words::count(counts.emitted as f64),
+        words::count(counts.landings as f64),
+        words::time(learner.elapsed().as_secs_f64()),
+    );
+    warn_of_invalid_photons(&counts);
+    Ok(Guiding {
+        kept: None,
+        learner: Some(learner),
+    })
+}
+
+/// Says what was learned on the way.
+pub fn describe(learner: &Learner) {
+    let stats = learner.stats();
+    tracing::info!(
+        "the field: {} links in {} cells, {}; learning it took {}",
+        words::count(stats.links as f64),
+        words::count(stats.space_cells as f64),
+        words::bytes(learner.guide().field.bytes()),
+        words::time(learner.elapsed().as_secs_f64()),
+    );
+    let Some(verdict) = learner.verdict() else {
+        return;
+    };
+    match verdict.pays() {
+        true => tracing::info!("guiding takes {:.2} of the work", 1.0 / verdict.gain()),
+        false => tracing::info!(
+            "guiding would take {:.1} times the work here: it was stopped after {} samples a pixel",
+            1.0 / verdict.gain(),
+            trial::AFTER
+        ),
+    }
+}
+
+/// Learns a field and says what came of it.
+///
+/// # Errors
+/// When there is nothing to learn from.
+pub fn teach(args: &LearnArgs, view: &View) -> Result<Learned, Failure> {
+    let settings = overrides::learn_settings(args, view.settings)?;
+    let learned = learn(view, &settings)?;
+    tracing::info!(
+        "learned from {} photons ({} landings) and {} camera paths in {}: {} links in {} cells, {}",
+        words::count(learned.counts.emitted as f64),
+        words::count(learned.counts.landings as f64),
+        words::count(settings.paths as f64),
+        words::time(learned.elapsed.as_secs_f64()),
+        words::count(learned.stats.links as f64),
+        words::count(learned.stats.space_cells as f64),
+        words::bytes(learned.guide.field.bytes())
+    );
+    warn_of_invalid_photons(&learned.counts);
+    Ok(learned)
+}
+
+/// Says how many photons were not finite, if any.
+pub fn warn_of_invalid_photons(counts: &PhotonCounts) {
+    if counts.invalid > 0 {
+        tracing::warn!(
+            "{} photons were not finite and were left out",
+            counts.invalid
+        );
+    }
+}
+
+/// What a field has learned from, in words.
+pub fn records(file: &FieldFile) -> String {
+    format!(
+        "{} photons and {} camera paths",
+        words::count(file.ledger.photons.count() as f64),
+        words::count(file.ledger.paths.count() as f64)
+    )
+}
+
+/// Writes a field, whole or not at all.
+///
+/// # Errors
+/// When the system refuses.
+pub fn write(path: &Path, file: &FieldFile) -> Result<(), Failure> {
+    let bytes = file.to_bytes();
+    atomic::replace(path, |new| {
+        std::fs::write(new, &bytes).map_err(|e| e.to_string())
+    })
+    .map_err(|e| Failure::Refused(e.to_string()))?;
+    tracing::info!(
+        "wrote {}: {}, {}",
+        path.display(),
+        records(file),
+        words::bytes(bytes.len() as u64)
+    );
+    Ok(())
+}

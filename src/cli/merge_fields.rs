@@ -1,0 +1,40 @@
+//! `twintree merge-fields`: adds fields that were learned over one structure from different records.
+
+use super::field_args::MergeFieldsArgs;
+use super::learning::{self, Opened};
+use super::{Failure, output};
+
+/// Adds and writes.
+///
+/// # Errors
+/// When a field cannot be read, fields do not belong together, records overlap or are missing, or the
+/// sum cannot be written.
+pub fn run(args: &MergeFieldsArgs) -> Result<(), Failure> {
+    output::try_directory(&args.output)?;
+    let mut sum: Option<Opened> = None;
+    for path in &args.fields {
+        let next = Opened::read(path)?;
+        let Some(sum) = &mut sum else {
+            sum = Some(next);
+            continue;
+        };
+        sum.file.merge(&next.file).map_err(|e| {
+            let before = sum.path.display();
+            Failure::Wrong(format!("{} after {before}: {e}", path.display()))
+        })?;
+        sum.path = next.path;
+    }
+    let Some(sum) = sum else {
+        return Err(Failure::Wrong("there are no fields to add".into()));
+    };
+    if let Some(missing) = sum.file.ledger.missing() {
+        if !args.partial {
+            return Err(Failure::wrong(
+                format!("records are missing: {missing}"),
+                "add the fields that have them, or what there is with --partial",
+            ));
+        }
+        tracing::warn!("records are missing: {missing}");
+    }
+    learning::write(&args.output, &sum.file)
+}

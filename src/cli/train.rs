@@ -1,0 +1,84 @@
+//! `twintree train`: from a scene to a field file.
+
+use super::field_args::TrainArgs;
+use super::learning::{self, Opened};
+use super::load::Input;
+use super::{Failure, load, output, overrides};
+use crate::camera::Camera;
+use crate::integrate::extend::{More, extend, to_file};
+use crate::integrate::render::View;
+use crate::report::words;
+use std::time::Instant;
+
+/// Learns and writes.
+///
+/// # Errors
+/// When the scene or the field to go on from cannot be used, or the file cannot be written.
+pub fn run(args: &TrainArgs) -> Result<(), Failure> {
+    let input = Input::of(&args.scene)?;
+    let target = match &args.output {
+        Some(path) => path.clone(),
+        None => output::default_name(input.first_path(), args.shard, ".field")?,
+    };
+    output::try_directory(&target)?;
+    let base = args.field.as_deref().map(Opened::read).transpose()?;
+    let mut loaded = load::load(&args.scene, &input, None)?;
+    let (width, height) = (args.size.width, args.size.height);
+    overrides::resize(&mut loaded.description.film, width, height);
+    let fingerprint = loaded.fingerprint()?;
+    if let Some(base) = &base {
+        base.check(fingerprint, false)?;
+    }
+    let scene = loaded.build(args.accel, None)?;
+    if scene.lights.is_empty() {
+        let help = "add an emitter to the scene";
+        let message = "nothing shines: there is nothing to learn";
+        return Err(Failure::wrong(message, help));
+    }
+    let description = &loaded.description;
+    let film = &description.film;
+    let mut settings = overrides::path_settings(&args.light, &description.render);
+    if let Some(base) = &base {
+        // Records follow those of the base: their numbers mean something for one seed only.
+        settings.seed = base.file.trainer.settings().seed;
+    }
+    let view = View {
+        scene: &scene,
+        camera: &Camera::new(&description.camera, film.width, film.height),
+        film,
+        settings: &settings,
+        guide: None,
+    };
+    let file = match &base {
+        Some(base) => further(args, base, &view)?,
+        None => {
+            let learned = learning::teach(&args.learn, &view)?;
+            let how = overrides::learn_settings(&args.learn, &settings)?;
+            to_file(&view, &how, learned, fingerprint)
+        }
+    };
+    learning::write(&target, &file)
+}
+
+/// Learns further over the structure of a field.
+fn further(
+    args: &TrainArgs,
+    base: &Opened,
+    view: &View,
+) -> Result<crate::guide::FieldFile, Failure> {
+    let start = Instant::now();
+    let more = More {
+        photons: args.learn.photons,
+        paths: args.learn.paths,
+        share: args.shard.map(|s| (s.index, s.count)),
+    };
+    let how = overrides::learn_settings(&args.learn, view.settings)?;
+    let (file, counts) = extend(view, &how, &base.file, &more)
+        .map_err(|e| Failure::Wrong(format!("{}: {e}", base.path.display())))?;
+    learning::warn_of_invalid_photons(&counts);
+    tracing::info!(
+        "learned further in {}",
+        words::time(start.elapsed().as_secs_f64())
+    );
+    Ok(file)
+}

@@ -1,0 +1,4 @@
+//! Tests of what camera paths tell and how long they live.
+
+mod record;
+mod roulette;

@@ -1,0 +1,154 @@
+//! Lessons from paths whose light is made up.
+
+use crate::integrate::record::{Departure, Lessons, Onward, Records, Witness};
+use crate::integrate::wave::Outcome;
+use crate::math::{Rgb, Vec3};
+
+fn rgb(r: f32, g: f32, b: f32) -> Rgb {
+    Rgb::new(r, g, b)
+}
+
+fn onward(throughput: Rgb) -> Onward {
+    Onward {
+        direction: Vec3::Z,
+        pdf: 0.5,
+        guide_pdf: 0.0,
+        bsdf_pdf: 0.5,
+        weight: Rgb::ONE,
+        survival: 1.0,
+        throughput,
+    }
+}
+
+fn departure(x: f32, onward: Option<Onward>) -> Departure {
+    Departure {
+        position: Vec3::new(x, 0.0, 0.0),
+        normal: Vec3::Z,
+        onward,
+    }
+}
+
+fn conclude(records: &mut Records, radiances: &[Rgb]) -> Lessons {
+    let outcomes: Vec<Outcome> = radiances
+        .iter()
+        .map(|&radiance| Outcome {
+            radiance,
+            ..Outcome::default()
+        })
+        .collect();
+    let mut lessons = Lessons::default();
+    records.conclude(&outcomes, &mut lessons);
+    lessons
+}
+
+/// Two paths, vertex by vertex in turn, as waves advance.
+#[test]
+fn each_vertex_learns_what_came_after_it_by_the_throughput_it_left_with() {
+    let mut r = Records::default();
+    let at_first = onward(rgb(0.5, 0.25, 1.0));
+    r.leave(0, departure(1.0, Some(at_first)));
+    r.leave(1, departure(2.0, Some(onward(Rgb::splat(0.5)))));
+    // Path 0 has found (1, 1, 1) by its second vertex, path 1 nothing yet.
+    r.arrive(0, Rgb::ONE, 3.0);
+    r.arrive(1, Rgb::ZERO, 4.0);
+    r.leave(0, departure(5.0, Some(onward(Rgb::splat(0.1)))));
+    // Path 0 leaves the scene, path 1 meets a mirror, which makes no record.
+    r.arrive(0, rgb(1.0, 1.5, 1.0), f32::INFINITY);
+    r.arrive(1, Rgb::splat(7.0), 9.0);
+    let lessons = conclude(&mut r, &[rgb(2.0, 2.0, 1.0), Rgb::splat(8.0)]);
+    let got: Vec<_> = lessons
+        .samples
+        .iter()
+        .map(|s| (s.position.x, s.radiance, s.distance))
+        .collect();
+    let close = |a: Rgb, b: Rgb| (a - b).abs().max_element() < 1e-5;
+    assert_eq!(got.len(), 3);
+    assert!(close(got[0].1, rgb(2.0, 4.0, 0.0)), "{got:?}");
+    assert!(close(got[1].1, Rgb::splat(16.0)), "{got:?}");
+    assert!(close(got[2].1, rgb(10.0, 5.0, 0.0)), "{got:?}");
+    assert_eq!(got.iter().map(|g| g.0).collect::<Vec<_>>(), [1.0, 2.0, 5.0]);
+    assert_eq!(
+        got.iter().map(|g| g.2).collect::<Vec<_>>(),
+        [3.0, 4.0, f32::INFINITY]
+    );
+    assert!(lessons.fractions.is_empty(), "no field was asked");
+}
+
+#[test]
+fn a_path_that_ends_is_a_dark_sample_with_its_vertex() {
+    let mut r = Records::default();
+    r.leave(0, departure(1.0, None));
+    let lessons = conclude(&mut r, &[Rgb::splat(3.0)]);
+    let s = lessons.samples[0];
+    assert_eq!((s.radiance, s.pdf), (Rgb::ZERO, 1.0));
+    assert_eq!((s.position.x, s.normal), (1.0, Vec3::Z));
+}
+
+#[test]
+fn roulette_counts_in_the_density_and_an_absorbed_colour_is_dark_not_nan() {
+    let mut r = Records::default();
+    let on = Onward {
+        survival: 0.25,
+        throughput: rgb(0.0, 2.0, 2.0),
+        ..onward(Rgb::ONE)
+    };
+    r.leave(0, departure(0.0, Some(on)));
+    r.arrive(0, Rgb::ONE, 1.0);
+    // Rounding may make the sum fall below the baseline: no light is negative.
+    let lessons = conclude(&mut r, &[rgb(1.0, 3.0, 0.5)]);
+    let s = lessons.samples[0];
+    assert_eq!((s.radiance, s.pdf), (rgb(0.0, 1.0, 0.0), 0.125));
+}
+
+#[test]
+fn light_from_beyond_the_surface_is_taught_to_the_side_it_falls_on() {
+    let mut r = Records::default();
+    let through = Onward {
+        direction: Vec3::new(0.0, 0.6, -0.8),
+        ..onward(Rgb::ONE)
+    };
+    r.leave(0, departure(0.0, Some(through)));
+    r.arrive(0, Rgb::ZERO, 1.0);
+    let lessons = conclude(&mut r, &[Rgb::ONE]);
+    assert_eq!(lessons.samples[0].normal, -Vec3::Z);
+}
+
+#[test]
+fn a_guided_vertex_also_teaches_the_fraction() {
+    let mut r = Records::default();
+    let on = Onward {
+        guide_pdf: 2.0,
+        bsdf_pdf: 0.25,
+        pdf: 1.125,
+        weight: Rgb::splat(0.5),
+        survival: 0.5,
+        throughput: Rgb::splat(2.0),
+        ..onward(Rgb::ONE)
+    };
+    r.leave(0, departure(0.0, Some(on)));
+    r.arrive(0, Rgb::ZERO, 1.0);
+    let lessons = conclude(&mut r, &[Rgb::splat(6.0)]);
+    let f = lessons.fractions[0];
+    // BSDF times cosine is weight times density; radiance is 6 / 2.
+    assert_eq!(f.value, Rgb::splat(0.5 * 1.125 * 3.0));
+    assert_eq!((f.pdf, f.guide_pdf, f.bsdf_pdf), (0.5625, 2.0, 0.25));
+}
+
+#[test]
+fn waves_do_not_remember_each_other() {
+    let mut r = Records::default();
+    r.leave(3, departure(0.0, Some(onward(Rgb::ONE))));
+    let outcomes = [Rgb::ZERO, Rgb::ZERO, Rgb::ZERO, Rgb::ONE];
+    assert_eq!(conclude(&mut r, &outcomes).samples.len(), 1);
+    // The record of slot 3 was never closed; the next wave's slot 3 starts afresh.
+    r.arrive(3, Rgb::splat(9.0), 9.0);
+    r.arrive(99, Rgb::ZERO, 1.0);
+    assert!(conclude(&mut r, &outcomes).samples.is_empty());
+    let mut all = Lessons::default();
+    for x in [1.0, 2.0] {
+        r.leave(0, departure(x, Some(onward(Rgb::ONE))));
+        all.append(conclude(&mut r, &outcomes));
+    }
+    let order: Vec<f32> = all.samples.iter().map(|s| s.position.x).collect();
+    assert_eq!(order, [1.0, 2.0]);
+}

@@ -1,0 +1,85 @@
+//! How long paths live.
+
+use crate::integrate::roulette::{by_field, by_throughput};
+use crate::integrate::wave::Path;
+use crate::math::{PathSampler, Rgb, Vec3};
+
+fn path(throughput: Rgb, eta: f32) -> Path {
+    Path {
+        throughput,
+        pdf: 1.0,
+        from: Vec3::ZERO,
+        from_normal: Vec3::ZERO,
+        eta,
+        depth: 7,
+        expected: 0.0,
+        slot: 0,
+        cone_width: 0.0,
+        cone_spread: 0.0,
+        sampler: PathSampler::independent(0, 0, 0),
+    }
+}
+
+#[test]
+fn by_throughput_a_path_lives_as_its_brightest_channel_says() {
+    let chance = |r, g, b, eta| by_throughput(&path(Rgb::new(r, g, b), eta));
+    assert_eq!(chance(0.1, 0.5, 0.2, 1.0), 0.5);
+    // Inside glass the throughput is scaled by 1/eta^2, which says nothing about what it will bring.
+    assert!((chance(0.2, 0.2, 0.2, 1.5) - 0.45).abs() < 1e-6);
+    assert_eq!(
+        chance(4.0, 1.0, 1.0, 1.0),
+        0.95,
+        "paths between mirrors end"
+    );
+    assert_eq!(chance(0.0, 0.0, 0.0, 1.0), 0.0);
+}
+
+#[test]
+fn by_the_field_a_path_lives_for_its_share_of_the_sample() {
+    let mut p = path(Rgb::splat(1e-6), 1.0);
+    // The first vertex sets what is expected; however dark the throughput, nothing is lost yet.
+    assert_eq!(by_field(&mut p, 6.0, Rgb::ZERO), 1.0);
+    assert_eq!(p.expected, 6.0);
+    // A third of the sample or more is worth going on for certain.
+    assert_eq!(by_field(&mut p, 2.0, Rgb::ZERO), 1.0);
+    assert_eq!(by_field(&mut p, 60.0, Rgb::ZERO), 1.0);
+    assert!((by_field(&mut p, 1.0, Rgb::ZERO) - 0.5).abs() < 1e-6);
+    // What the sample has already makes the rest matter less: 1 / (6 + 6) against 1/3.
+    assert!((by_field(&mut p, 1.0, Rgb::splat(2.0)) - 0.25).abs() < 1e-6);
+    // The field may be wrong.
+    assert_eq!(by_field(&mut p, 0.0, Rgb::ZERO), 0.1);
+    assert_eq!(p.expected, 6.0, "what was expected stays");
+}
+
+#[test]
+fn nonsense_from_a_field_never_ends_a_path() {
+    for (expected, coming) in [(1.0, f32::NAN), (f32::INFINITY, f32::INFINITY)] {
+        let mut p = path(Rgb::ONE, 1.0);
+        p.expected = expected;
+        assert_eq!(by_field(&mut p, coming, Rgb::ZERO), 1.0);
+    }
+}
+
+/// Dividing by the chance makes up for the paths that ended.
+#[test]
+fn what_survives_stands_for_what_does_not() {
+    let mut sampler = PathSampler::independent(5, 6, 7);
+    let mut sums = [0f64; 2];
+    let n = 200_000;
+    for _ in 0..n {
+        let u = sampler.next4();
+        let mut p = path(Rgb::splat(0.3), 1.0);
+        p.expected = 10.0;
+        let by = [by_throughput(&p), by_field(&mut p, 0.7, Rgb::ONE)];
+        for ((sum, chance), u) in sums.iter_mut().zip(by).zip(u) {
+            if u < chance {
+                *sum += f64::from(1.0 / chance);
+            }
+        }
+    }
+    for (sum, chance) in sums.iter().zip([0.3f64, 0.7 / 13.0 * 3.0]) {
+        // The variance of each term is 1 / chance - 1: four deviations of their mean.
+        let bound = 4.0 * ((1.0 / chance - 1.0) / f64::from(n)).sqrt();
+        assert!((sum / f64::from(n) - 1.0).abs() < bound, "{sum}");
+    }
+}

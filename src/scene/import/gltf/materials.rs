@@ -1,0 +1,247 @@
+//! Materials: metallic-roughness and its extensions as `principled` and what is laid around it.
+//!
+//! ```text
+//!  Mask (alpha) > TwoSided > NormalMap > Blend (clear coat) > principled, or principledthin
+//! ```
+//!
+//! Both models take the square of a perceptual roughness as the width of GGX facets, and 0.04 as the
+//! reflectance of a dielectric of index 1.5. Nothing is culled: opaque surfaces are the same from both
+//! sides, as light that bounces needs it. A transmitting surface without `KHR_materials_volume` is thin.
+
+use super::extension::Extension;
+use super::primitive::{ALPHA, COLOR};
+use super::schema::{self, TextureInfo};
+use super::textures::{Use, bent_normals, uv_set};
+use super::{Importer, error};
+use crate::bsdf::{Material, MaterialId};
+use crate::math::{Rgb, luminance};
+use crate::scene::import::ImportError;
+use crate::texture::Texture;
+use std::sync::Arc;
+
+/// What makes two uses of one material different.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Variant {
+    /// The file's material; `None` is the default one.
+    pub index: Option<usize>,
+    /// The mesh has vertex colours.
+    pub colored: bool,
+    /// Vertex colours come with opacity.
+    pub alpha: bool,
+    /// The texture is laid on back to front.
+    pub mirrored: bool,
+}
+
+/// A material in use.
+#[derive(Clone, Debug)]
+pub(super) struct Finish {
+    pub material: MaterialId,
+    /// Radiance of what glows.
+    pub emission: Option<Texture>,
+}
+
+/// The parameters that both workflows come down to.
+pub(super) struct Core {
+    pub color: Texture,
+    pub alpha: Texture,
+    pub roughness: Texture,
+    pub metallic: Texture,
+    /// Reflectance at normal incidence of the dielectric part.
+    pub f0: f32,
+    /// The index of refraction itself, for what is transmitted.
+    pub ior: f32,
+}
+
+/// Whether the material emits light.
+pub(super) fn glows(material: &schema::Material) -> bool {
+    let factor = material.emissive_factor.unwrap_or_default();
+    factor.iter().any(|f| *f > 0.0)
+}
+
+/// The texture coordinates that a material reads: those of its colour, or of its first texture.
+pub(super) fn coordinates(material: &schema::Material) -> usize {
+    all_textures(material).first().map_or(0, uv_set)
+}
+
+/// Every texture of a material, its colour first; occlusion is not used.
+pub(super) fn all_textures(material: &schema::Material) -> Vec<TextureInfo> {
+    let mut list = Vec::new();
+    if let Some(pbr) = &material.pbr_metallic_roughness {
+        list.extend(pbr.base_color_texture.clone());
+        list.extend(pbr.metallic_roughness_texture.clone());
+    }
+    list.extend(material.normal_texture.clone());
+    list.extend(material.emissive_texture.clone());
+    for (name, key) in [
+        ("KHR_materials_pbrSpecularGlossiness", "diffuseTexture"),
+        ("KHR_materials_transmission", "transmissionTexture"),
+        ("KHR_materials_clearcoat", "clearcoatTexture"),
+    ] {
+        let extension = Extension::of(&material.extensions, name);
+        list.extend(extension.and_then(|e| e.texture(key)));
+    }
+    list
+}
+
+impl Importer<'_> {
+    /// The material of a primitive.
+    pub(super) fn material(&mut self, variant: Variant) -> Result<Finish, ImportError> {
+        if let Some(done) = self.finishes.get(&variant) {
+            return Ok(done.clone());
+        }
+        let container = self.container;
+        let plain = schema::Material::default();
+        let material = match variant.index {
+            None => &plain,
+            Some(index) => container
+                .document
+                .materials
+                .get(index)
+                .ok_or_else(|| error(self.path(), format!("there is no material {index}")))?,
+        };
+        self.tell_what_is_left_out(material);
+        let core = self.core(material, variant)?;
+        let emission = self.emission(material)?;
+        let id = match self.only_material {
+            Some(id) => id,
+            None => self.surface(material, variant, core)?,
+        };
+        let finish = Finish {
+            material: id,
+            emission,
+        };
+        self.finishes.insert(variant, finish.clone());
+        Ok(finish)
+    }
+
+    fn surface(
+        &mut self,
+        material: &schema::Material,
+        variant: Variant,
+        core: Core,
+    ) -> Result<MaterialId, ImportError> {
+        let alpha = core.alpha.clone();
+        let unlit = Extension::of(&material.extensions, "KHR_materials_unlit").is_some();
+        let (base, transmits) = if unlit {
+            let reflectance = core.color;
+            (self.push(Material::Diffuse { reflectance }), false)
+        } else {
+            self.body(material, core)?
+        };
+        let mut id = self.coated(material, base)?;
+        if let Some(info) = &material.normal_texture {
+            if let Some(normals) = self.texture(info, Use::Vector)? {
+                let scale = info.scale.unwrap_or(1.0);
+                let normals = bent_normals(normals, scale, variant.mirrored);
+                id = self.push(Material::NormalMap { normals, inner: id });
+            }
+        }
+        if !transmits {
+            id = self.push(Material::TwoSided {
+                front: id,
+                back: id,
+            });
+        }
+        let opacity = match material.alpha_mode.as_deref() {
+            Some("BLEND") => alpha,
+            Some("MASK") => {
+                let cutoff = material.alpha_cutoff.unwrap_or(0.5);
+                Texture::Threshold(Arc::new((alpha, cutoff)))
+            }
+            _ => return Ok(id),
+        };
+        if opacity.constant() == Some(Rgb::ONE) {
+            return Ok(id);
+        }
+        Ok(self.push(Material::Mask { opacity, inner: id }))
+    }
+
+    pub(super) fn push(&mut self, material: Material) -> MaterialId {
+        self.parts.materials.push(material)
+    }
+
+    fn emission(&mut self, material: &schema::Material) -> Result<Option<Texture>, ImportError> {
+        if !glows(material) {
+            return Ok(None);
+        }
+        let name = "KHR_materials_emissive_strength";
+        let strength = Extension::of(&material.extensions, name);
+        let strength = strength.map_or(1.0, |e| e.number("emissiveStrength", 1.0));
+        let factor = Rgb::from(material.emissive_factor.unwrap_or_default()) * strength.max(0.0);
+        let info = material.emissive_texture.as_ref();
+        let radiance = self.textured(info, Use::Color, factor)?;
+        Ok((radiance.mean().max_element() > 0.0).then_some(radiance))
+    }
+
+    /// The parameters of either workflow.
+    fn core(&mut self, material: &schema::Material, variant: Variant) -> Result<Core, ImportError> {
+        let gloss = "KHR_materials_pbrSpecularGlossiness";
+        let mut core = match Extension::of(&material.extensions, gloss) {
+            Some(gloss) => self.specular_glossiness(gloss)?,
+            None => self.metallic_roughness(material)?,
+        };
+        if variant.colored {
+            core.color = core.color.times(Texture::MeshAttribute(COLOR.into()));
+        }
+        if variant.alpha {
+            core.alpha = core.alpha.times(Texture::MeshAttribute(ALPHA.into()));
+        }
+        Ok(core)
+    }
+
+    fn metallic_roughness(&mut self, material: &schema::Material) -> Result<Core, ImportError> {
+        let plain = schema::Pbr::default();
+        let pbr = material.pbr_metallic_roughness.as_ref().unwrap_or(&plain);
+        let [r, g, b, a] = pbr.base_color_factor.unwrap_or([1.0; 4]);
+        let color = pbr.base_color_texture.as_ref();
+        let surface = pbr.metallic_roughness_texture.as_ref();
+        let metallic = Rgb::splat(pbr.metallic_factor.unwrap_or(1.0));
+        let roughness = Rgb::splat(pbr.roughness_factor.unwrap_or(1.0));
+        let (f0, ior) = self.dielectric(material);
+        Ok(Core {
+            color: self.textured(color, Use::Color, Rgb::new(r, g, b))?,
+            alpha: self.opacity(material, color, a)?,
+            roughness: self.textured(surface, Use::Channel(1), roughness)?,
+            metallic: self.textured(surface, Use::Channel(2), metallic)?,
+            f0,
+            ior,
+        })
+    }
+
+    /// Opacity, read only where it matters: many opaque images carry a useless alpha channel.
+    fn opacity(
+        &mut self,
+        material: &schema::Material,
+        color: Option<&TextureInfo>,
+        factor: f32,
+    ) -> Result<Texture, ImportError> {
+        match material.alpha_mode.as_deref() {
+            Some("BLEND" | "MASK") => self.textured(color, Use::Channel(3), Rgb::splat(factor)),
+            _ => Ok(Texture::Constant(Rgb::ONE)),
+        }
+    }
+
+    /// The archived workflow: a diffuse colour under a dielectric of any reflectance.
+    fn specular_glossiness(&mut self, gloss: Extension) -> Result<Core, ImportError> {
+        let diffuse = gloss.texture("diffuseTexture");
+        let factor = gloss.color("diffuseFactor", Rgb::ONE);
+        let alpha = Rgb::splat(gloss.alpha("diffuseFactor"));
+        let specular = luminance(gloss.color("specularFactor", Rgb::ONE));
+        let mut glossiness = gloss.number("glossinessFactor", 1.0);
+        if let Some(info) = gloss.texture("specularGlossinessTexture") {
+            self.warn("textures of specular colour and glossiness are replaced by their means");
+            let mean = self
+                .textured(Some(&info), Use::Channel(3), Rgb::ONE)?
+                .mean();
+            glossiness *= luminance(mean);
+        }
+        Ok(Core {
+            color: self.textured(diffuse.as_ref(), Use::Color, factor)?,
+            alpha: self.textured(diffuse.as_ref(), Use::Channel(3), alpha)?,
+            roughness: Texture::Constant(Rgb::splat(1.0 - glossiness)),
+            metallic: Texture::Constant(Rgb::ZERO),
+            f0: specular,
+            ior: 1.5,
+        })
+    }
+}

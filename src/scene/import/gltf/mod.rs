@@ -1,0 +1,160 @@
+//! glTF 2.0: `.gltf` with files beside it, and `.glb`.
+//!
+//! ```text
+//!  file --container--> Document, buffers --nodes--> placements --primitive--> meshes --+
+//!                          |                                                           v
+//!                          +------ materials, layers, textures ------------------> Parts
+//! ```
+//!
+//! A mesh that stands in several places becomes a group with instances, unless it glows. Coordinates
+//! are kept: glTF is right-handed with +y up, as scenes are here. Row 0 of an image lies at v = 0 in
+//! both. What is not supported is told in a warning, once each; an extension that the file requires and
+//! that is not known is an error.
+
+mod accessor;
+mod container;
+mod extension;
+mod layers;
+mod lights;
+mod materials;
+mod meshopt;
+mod nodes;
+mod place;
+mod primitive;
+mod schema;
+#[cfg(test)]
+mod tests;
+mod textures;
+
+use super::parts::Parts;
+use super::{ImportError, ImportOptions};
+use crate::bsdf::MaterialId;
+use crate::math::DAffine3;
+use accessor::Accessors;
+use container::Container;
+use materials::{Finish, Variant};
+use schema::Document;
+use std::collections::HashMap;
+use std::path::Path;
+use textures::Images;
+
+/// How a file is added.
+#[derive(Clone, Copy, Debug)]
+pub struct GltfOptions {
+    /// Placement of the whole file.
+    pub to_world: DAffine3,
+    /// A material that takes the place of all the file's own.
+    pub material: Option<MaterialId>,
+}
+
+/// Adds what is in the file `path` to `parts`.
+///
+/// # Errors
+/// When the file or one that it names cannot be read or makes no sense; textures that are missing are
+/// forgiven if [`ImportOptions::lenient`] is set.
+pub fn load(
+    path: &Path,
+    gltf: &GltfOptions,
+    options: &ImportOptions,
+    parts: &mut Parts,
+) -> Result<(), ImportError> {
+    let container = Container::open(path)?;
+    let mut importer = Importer {
+        container: &container,
+        options,
+        only_material: gltf.material,
+        parts,
+        images: Images::default(),
+        finishes: HashMap::new(),
+    };
+    importer.check_extensions()?;
+    importer.tell_of_animations();
+    let accessors = Accessors {
+        container: &container,
+    };
+    let standing = nodes::walk(&container.document, accessors, &gltf.to_world, path)?;
+    for &(camera, node) in &standing.cameras {
+        importer.camera(camera, node, &standing.to_world[node])?;
+    }
+    for &(light, node) in &standing.lights {
+        importer.light(light, &standing.to_world[node])?;
+    }
+    importer.place(&standing, accessors)
+}
+
+/// Adds a file to parts.
+struct Importer<'a> {
+    container: &'a Container,
+    options: &'a ImportOptions,
+    only_material: Option<MaterialId>,
+    parts: &'a mut Parts,
+    images: Images,
+    finishes: HashMap<Variant, Finish>,
+}
+
+impl<'a> Importer<'a> {
+    fn document(&self) -> &'a Document {
+        &self.container.document
+    }
+
+    fn path(&self) -> &'a Path {
+        &self.container.path
+    }
+
+    fn warn(&mut self, warning: impl std::fmt::Display) {
+        let place = self.path().display();
+        self.parts.warn(format!("{place}: {warning}"));
+    }
+
+    fn check_extensions(&mut self) -> Result<(), ImportError> {
+        let document = self.document();
+        let unknown = |name: &&String| !extension::KNOWN.contains(&name.as_str());
+        let required: Vec<&str> = document
+            .extensions_required
+            .iter()
+            .filter(unknown)
+            .map(String::as_str)
+            .collect();
+        if !required.is_empty() {
+            let message = format!("requires {}, which cannot be read", required.join(", "));
+            let help = if required.iter().any(|n| n.contains("draco")) {
+                "export it without compression of meshes"
+            } else {
+                "export it without that extension"
+            };
+            return Err(hint(self.path(), message, help));
+        }
+        for name in document.extensions_used.iter().filter(unknown) {
+            self.warn(format!("{name} is not supported and left out"));
+        }
+        Ok(())
+    }
+
+    fn tell_of_animations(&mut self) {
+        if !self.document().animations.is_empty() {
+            self.warn("animations are left out: the file's own pose is shown");
+        }
+        let variants = "KHR_materials_variants";
+        if self.document().extensions.contains_key(variants) {
+            self.warn("material variants are left out: the default ones are shown");
+        }
+    }
+}
+
+/// An error about the file `path`.
+fn error(path: &Path, message: impl Into<String>) -> ImportError {
+    ImportError {
+        at: None,
+        file: Some(path.to_owned()),
+        message: message.into(),
+        help: None,
+    }
+}
+
+/// An error about the file `path`, with what to do about it.
+fn hint(path: &Path, message: impl Into<String>, help: &str) -> ImportError {
+    ImportError {
+        help: Some(help.to_owned()),
+        ..error(path, message)
+    }
+}

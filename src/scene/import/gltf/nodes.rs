@@ -1,0 +1,157 @@
+//! The tree of nodes: where meshes, cameras and lights stand.
+
+use super::accessor::Accessors;
+use super::error;
+use super::schema::{Document, Node};
+use crate::math::{DAffine3, DVec3};
+use crate::scene::import::ImportError;
+use glam::{DMat4, DQuat};
+use serde_json::Value;
+use std::path::Path;
+
+/// A mesh in the world.
+#[derive(Clone, Debug)]
+pub(super) struct Placement {
+    pub node: usize,
+    pub mesh: usize,
+    pub to_world: DAffine3,
+}
+
+/// Everything that stands in a scene.
+#[derive(Debug, Default)]
+pub(super) struct Standing {
+    pub meshes: Vec<Placement>,
+    /// Camera, and the node it belongs to.
+    pub cameras: Vec<(usize, usize)>,
+    /// Light, and the node it belongs to.
+    pub lights: Vec<(usize, usize)>,
+    /// To the world, for each node; identity for nodes that are not in the scene.
+    pub to_world: Vec<DAffine3>,
+}
+
+/// The local transform of a node.
+fn local(node: &Node) -> DAffine3 {
+    if let Some(matrix) = &node.matrix {
+        return DAffine3::from_mat4(DMat4::from_cols_array(matrix));
+    }
+    let rotation = node.rotation.map_or(DQuat::IDENTITY, DQuat::from_array);
+    let length = rotation.length_squared();
+    let rotation = if length > 0.0 && length.is_finite() {
+        rotation.normalize()
+    } else {
+        DQuat::IDENTITY
+    };
+    DAffine3::from_scale_rotation_translation(
+        node.scale.map_or(DVec3::ONE, DVec3::from),
+        rotation,
+        node.translation.map_or(DVec3::ZERO, DVec3::from),
+    )
+}
+
+/// Nodes that no other node has as a child.
+fn roots(document: &Document) -> Vec<usize> {
+    let mut is_child = vec![false; document.nodes.len()];
+    for &child in document.nodes.iter().flat_map(|n| &n.children) {
+        if let Some(flag) = is_child.get_mut(child) {
+            *flag = true;
+        }
+    }
+    (0..is_child.len()).filter(|&i| !is_child[i]).collect()
+}
+
+/// Walks the tree of the file's scene.
+pub(super) fn walk(
+    document: &Document,
+    accessors: Accessors,
+    root: &DAffine3,
+    path: &Path,
+) -> Result<Standing, ImportError> {
+    let scene = document.scenes.get(document.scene.unwrap_or(0));
+    let start = scene.map_or_else(|| roots(document), |s| s.nodes.clone());
+    let count = document.nodes.len();
+    let mut standing = Standing {
+        to_world: vec![DAffine3::IDENTITY; count],
+        ..Standing::default()
+    };
+    let mut visited = vec![false; count];
+    // The first of the list is the last to be pushed: nodes are met in the file's order.
+    let mut waiting: Vec<(usize, DAffine3)> = start.iter().rev().map(|&n| (n, *root)).collect();
+    while let Some((index, parent)) = waiting.pop() {
+        let Some(node) = document.nodes.get(index) else {
+            return Err(error(path, format!("there is no node {index}")));
+        };
+        if std::mem::replace(&mut visited[index], true) {
+            let message = format!("node {index} stands in the tree twice");
+            return Err(error(path, message));
+        }
+        let to_world = parent * local(node);
+        standing.to_world[index] = to_world;
+        collect(&mut standing, node, index, accessors)?;
+        waiting.extend(node.children.iter().rev().map(|&n| (n, to_world)));
+    }
+    Ok(standing)
+}
+
+fn collect(
+    standing: &mut Standing,
+    node: &Node,
+    index: usize,
+    accessors: Accessors,
+) -> Result<(), ImportError> {
+    let to_world = standing.to_world[index];
+    if let Some(mesh) = node.mesh {
+        let places = match node.extensions.get("EXT_mesh_gpu_instancing") {
+            Some(extension) => crowd(extension, accessors)?,
+            None => vec![DAffine3::IDENTITY],
+        };
+        standing
+            .meshes
+            .extend(places.into_iter().map(|place| Placement {
+                node: index,
+                mesh,
+                to_world: to_world * place,
+            }));
+    }
+    standing.cameras.extend(node.camera.map(|c| (c, index)));
+    let light = node.extensions.get("KHR_lights_punctual");
+    let light = light.and_then(|e| e.get("light")?.as_u64());
+    standing.lights.extend(light.map(|l| (l as usize, index)));
+    Ok(())
+}
+
+/// Many places of one mesh (`EXT_mesh_gpu_instancing`).
+fn crowd(extension: &Value, accessors: Accessors) -> Result<Vec<DAffine3>, ImportError> {
+    let named = |name: &str| {
+        let index = extension.get("attributes")?.get(name)?.as_u64()?;
+        usize::try_from(index).ok()
+    };
+    let translations = named("TRANSLATION")
+        .map(|a| accessors.floats::<3>(a))
+        .transpose()?;
+    let rotations = named("ROTATION")
+        .map(|a| accessors.floats::<4>(a))
+        .transpose()?;
+    let scales = named("SCALE")
+        .map(|a| accessors.floats::<3>(a))
+        .transpose()?;
+    let lengths = [
+        translations.as_ref().map_or(0, Vec::len),
+        rotations.as_ref().map_or(0, Vec::len),
+        scales.as_ref().map_or(0, Vec::len),
+    ];
+    let count = lengths.into_iter().max().unwrap_or(0);
+    let vector = |list: &Option<Vec<[f32; 3]>>, i: usize| {
+        let value = list.as_ref()?.get(i)?;
+        Some(DVec3::from_array(value.map(f64::from)))
+    };
+    let node = |i: usize| Node {
+        translation: vector(&translations, i).map(|v| v.to_array()),
+        rotation: rotations
+            .as_ref()
+            .and_then(|list| list.get(i))
+            .map(|q| q.map(f64::from)),
+        scale: vector(&scales, i).map(|v| v.to_array()),
+        ..Node::default()
+    };
+    Ok((0..count).map(|i| local(&node(i))).collect())
+}

@@ -1,0 +1,258 @@
+//! From placements to shapes: which meshes are instanced, and loading them all at once.
+
+use super::accessor::Accessors;
+use super::materials::{self, Variant};
+use super::nodes::{Placement, Standing};
+use super::primitive::{self, ALPHA, COLOR, Job};
+use super::schema::{Mesh as MeshSchema, Node, Primitive};
+use super::{Importer, error};
+use crate::light::Emitter;
+use crate::math::{DAffine3, Vec2};
+use crate::scene::import::ImportError;
+use crate::scene::import::mesh::{self, Loaded};
+use crate::scene::{Geometry, Mesh, Shape};
+use glam::DMat4;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// A primitive that becomes a shape.
+struct Planned<'a> {
+    job: Job<'a>,
+    name: String,
+    group: Option<u32>,
+}
+
+/// Which meshes stand where.
+struct Places<'a> {
+    standing: &'a Standing,
+    /// Matrices of each node's skin.
+    joints: Vec<Option<Vec<DAffine3>>>,
+    /// The group of each mesh that has one.
+    groups: Vec<Option<u32>>,
+}
+
+impl<'a> Importer<'a> {
+    /// Makes shapes of everything that stands in the scene.
+    pub(super) fn place(
+        &mut self,
+        standing: &Standing,
+        accessors: Accessors,
+    ) -> Result<(), ImportError> {
+        let places = self.places(standing, accessors)?;
+        let planned = self.plan(&places)?;
+        let loaded: Vec<Result<Option<Loaded>, ImportError>> = planned
+            .par_iter()
+            .map(|p| primitive::load(accessors, &p.job))
+            .collect();
+        for (plan, result) in planned.into_iter().zip(loaded) {
+            match result? {
+                None => self.warn("points and lines are left out"),
+                Some(loaded) => self.shape(&plan, loaded)?,
+            }
+        }
+        Ok(())
+    }
+
+    fn places<'s>(
+        &mut self,
+        standing: &'s Standing,
+        accessors: Accessors,
+    ) -> Result<Places<'s>, ImportError> {
+        let document = self.document();
+        let mut joints = vec![None; document.nodes.len()];
+        let mut uses = vec![0u32; document.meshes.len()];
+        for placement in &standing.meshes {
+            let node = &document.nodes[placement.node];
+            let Some(count) = uses.get_mut(placement.mesh) else {
+                let message = format!("there is no mesh {}", placement.mesh);
+                return Err(error(self.path(), message));
+            };
+            joints[placement.node] = self.joints(node, standing, accessors)?;
+            // A mesh that moves with its node's joints or targets is like no other.
+            if joints[placement.node].is_none() && node.weights.is_none() {
+                *count += 1;
+            }
+        }
+        let mut groups = vec![None; uses.len()];
+        for (mesh, count) in uses.into_iter().enumerate() {
+            if count > 1 && !self.mesh_glows(&document.meshes[mesh]) {
+                groups[mesh] = Some(self.parts.groups);
+                self.parts.groups += 1;
+            }
+        }
+        Ok(Places {
+            standing,
+            joints,
+            groups,
+        })
+    }
+
+    fn mesh_glows(&self, mesh: &MeshSchema) -> bool {
+        let materials = &self.document().materials;
+        let of = |p: &Primitive| p.material.and_then(|m| materials.get(m));
+        mesh.primitives.iter().filter_map(of).any(materials::glows)
+    }
+
+    /// The matrices of a node's skin, mesh space to world space.
+    fn joints(
+        &self,
+        node: &Node,
+        standing: &Standing,
+        accessors: Accessors,
+    ) -> Result<Option<Vec<DAffine3>>, ImportError> {
+        let Some(skin) = node.skin.and_then(|s| self.document().skins.get(s)) else {
+            return Ok(None);
+        };
+        let inverse = match skin.inverse_bind_matrices {
+            Some(accessor) => accessors.floats::<16>(accessor)?,
+            None => Vec::new(),
+        };
+        let matrix = |(i, &joint): (usize, &usize)| {
+            let to_world = standing.to_world.get(joint).copied();
+            let bind = inverse.get(i).map_or(DAffine3::IDENTITY, |m| {
+                DAffine3::from_mat4(DMat4::from_cols_array(&m.map(f64::from)))
+            });
+            to_world.unwrap_or(DAffine3::IDENTITY) * bind
+        };
+        Ok(Some(skin.joints.iter().enumerate().map(matrix).collect()))
+    }
+
+    /// The primitives to load; instances are noted on the way.
+    fn plan<'p>(&mut self, places: &'p Places) -> Result<Vec<Planned<'p>>, ImportError>
+    where
+        'a: 'p,
+    {
+        let mut planned = Vec::new();
+        let mut has_shapes = vec![false; places.groups.len()];
+        for placement in &places.standing.meshes {
+            let plain = self.document().nodes[placement.node].weights.is_none()
+                && places.joints[placement.node].is_none();
+            let group = places.groups[placement.mesh].filter(|_| plain);
+            if let Some(group) = group {
+                if !self.instance(group, placement) {
+                    continue;
+                }
+                if std::mem::replace(&mut has_shapes[placement.mesh], true) {
+                    continue;
+                }
+            }
+            self.plan_mesh(placement, group, places, &mut planned)?;
+        }
+        Ok(planned)
+    }
+
+    /// Notes an instance; false if it is squashed flat and cannot be traced.
+    fn instance(&mut self, group: u32, placement: &Placement) -> bool {
+        let map = placement.to_world;
+        let sound = map.is_finite() && map.inverse().is_finite();
+        if sound {
+            self.parts.instances.push((group, map));
+        } else {
+            let node = placement.node;
+            self.warn(format!("node {node} has no extent: it is left out"));
+        }
+        sound
+    }
+
+    fn plan_mesh<'p>(
+        &mut self,
+        placement: &Placement,
+        group: Option<u32>,
+        places: &'p Places,
+        planned: &mut Vec<Planned<'p>>,
+    ) -> Result<(), ImportError>
+    where
+        'a: 'p,
+    {
+        let document = self.document();
+        let mesh = &document.meshes[placement.mesh];
+        let node = &document.nodes[placement.node];
+        let fallback = || format!("mesh {}", placement.mesh);
+        let name = mesh.name.clone().unwrap_or_else(fallback);
+        for primitive in &mesh.primitives {
+            if primitive
+                .extensions
+                .contains_key("KHR_draco_mesh_compression")
+            {
+                let message = format!("{name} is compressed with Draco, which cannot be read");
+                let help = "export it without compression of meshes";
+                return Err(super::hint(self.path(), message, help));
+            }
+            let material = primitive.material.and_then(|m| document.materials.get(m));
+            let alpha = material.and_then(|m| m.alpha_mode.as_deref());
+            planned.push(Planned {
+                job: Job {
+                    primitive,
+                    to_world: match group {
+                        Some(_) => DAffine3::IDENTITY,
+                        None => placement.to_world,
+                    },
+                    weights: node.weights.as_deref().unwrap_or(&mesh.weights),
+                    joints: places.joints[placement.node].as_deref(),
+                    uv_set: material.map_or(0, materials::coordinates),
+                    alpha: matches!(alpha, Some("BLEND" | "MASK")),
+                },
+                name: name.clone(),
+                group,
+            });
+        }
+        Ok(())
+    }
+
+    fn shape(&mut self, plan: &Planned, loaded: Loaded) -> Result<(), ImportError> {
+        for warning in &loaded.warnings {
+            self.warn(format!("{}: {warning}", plan.name));
+        }
+        if loaded.mesh.triangles.triangles().is_empty() {
+            return Ok(());
+        }
+        let index = plan.job.primitive.material;
+        let material = index.and_then(|m| self.document().materials.get(m));
+        let mapped = material.is_some_and(|m| m.normal_texture.is_some());
+        let parts = match mapped {
+            true => by_side(loaded.mesh),
+            false => vec![(false, loaded.mesh)],
+        };
+        for (mirrored, mesh) in parts {
+            let has = |name: &str| mesh.attributes.list.iter().any(|a| a.name == name);
+            let finish = self.material(Variant {
+                index,
+                colored: has(COLOR),
+                alpha: has(ALPHA),
+                mirrored,
+            })?;
+            let shape = self.parts.shapes.len() as u32;
+            let emitter = finish.emission.map(|radiance| {
+                self.parts.emitters.push(Emitter::Area { shape, radiance });
+                (self.parts.emitters.len() - 1) as u32
+            });
+            self.parts.shapes.push(Shape {
+                name: plan.name.clone(),
+                geometry: Geometry::Mesh(Arc::new(mesh)),
+                material: finish.material,
+                emitter,
+                flip_normals: false,
+                group: plan.group,
+            });
+        }
+        Ok(())
+    }
+}
+
+/// Splits a mesh into what carries its texture the right way around and what carries it mirrored.
+///
+/// A normal map is made for tangents along u and *up* the image; seen from the front that is a
+/// right-handed frame only where the texture is not mirrored. v points down, so the area of a triangle
+/// in texture space is negative there.
+fn by_side(mesh: Mesh) -> Vec<(bool, Mesh)> {
+    let Some(uvs) = mesh.uvs.clone() else {
+        return vec![(false, mesh)];
+    };
+    let triangles = mesh.triangles.clone();
+    let mirrored = |i: usize| {
+        let [a, b, c]: [Vec2; 3] = triangles.triangles()[i].map(|v| uvs[v as usize]);
+        u32::from((b - a).perp_dot(c - a) > 0.0)
+    };
+    let parts = mesh::split(mesh, mirrored);
+    parts.into_iter().map(|(key, m)| (key == 1, m)).collect()
+}

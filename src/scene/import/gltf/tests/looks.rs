@@ -1,0 +1,196 @@
+//! Materials: what a file asks for and what it becomes.
+
+use super::*;
+use crate::bsdf::MaterialId;
+use crate::bsdf::material::{Principled, PrincipledThin};
+use crate::image::{Image, WriteOptions};
+use crate::texture::{Filter, Wrap};
+
+/// The parts of a triangle with that material; all three corners have texture coordinates.
+fn made_of(material: Value) -> Parts {
+    with_material(material).load()
+}
+
+fn with_material(material: Value) -> File {
+    let mut file = File::triangle();
+    let uvs = file.floats(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);
+    file.primitive()["attributes"]["TEXCOORD_0"] = uvs.into();
+    file.json["materials"] = json!([material]);
+    file.primitive()["material"] = 0.into();
+    file
+}
+
+/// What lies beneath layers that hold one material.
+fn core(parts: &Parts, id: MaterialId) -> &Material {
+    match parts.materials.get(id) {
+        Material::TwoSided { front, .. } => core(parts, *front),
+        Material::Mask { inner, .. } | Material::NormalMap { inner, .. } => core(parts, *inner),
+        found => found,
+    }
+}
+
+fn principled(parts: &Parts) -> &Principled {
+    match core(parts, parts.shapes[0].material) {
+        Material::Principled(p) => p,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn value(texture: &Texture) -> f32 {
+    texture.constant().unwrap().x
+}
+
+#[test]
+fn factors_become_the_principled_models() {
+    let parts = made_of(json!({"pbrMetallicRoughness": {
+        "baseColorFactor": [0.1, 0.2, 0.3, 1], "metallicFactor": 0.25, "roughnessFactor": 0.75,
+    }}));
+    let p = principled(&parts);
+    assert_eq!(p.base_color.constant(), Some(Rgb::new(0.1, 0.2, 0.3)));
+    assert_eq!((value(&p.metallic), value(&p.roughness)), (0.25, 0.75));
+    assert!((p.eta - 1.5).abs() < 1e-5);
+    // Without a material at all: white, rough metal, as the specification says.
+    let mut file = File::triangle();
+    file.json["materials"] = json!([]);
+    let parts = file.load();
+    let p = principled(&parts);
+    assert_eq!((value(&p.metallic), value(&p.roughness)), (1.0, 1.0));
+}
+
+#[test]
+fn index_and_specular_strength_meet_in_the_reflectance() {
+    let eta = |extensions: Value| principled(&made_of(json!({"extensions": extensions}))).eta;
+    let ior = json!({"KHR_materials_ior": {"ior": 1.8}});
+    assert!((eta(ior) - 1.8).abs() < 1e-5);
+    // Half of 4 %: ((n - 1) / (n + 1))^2 = 0.02.
+    let half = eta(json!({"KHR_materials_specular": {"specularFactor": 0.5}}));
+    let f0 = ((half - 1.0) / (half + 1.0)).powi(2);
+    assert!((f0 - 0.02).abs() < 1e-6, "{f0}");
+}
+
+#[test]
+fn textures_are_read_for_what_they_mean() {
+    let mut file = with_material(json!({
+        "pbrMetallicRoughness": {
+            "baseColorTexture": {"index": 0}, "metallicRoughnessTexture": {"index": 0},
+        },
+        "normalTexture": {"index": 0}, "emissiveTexture": {"index": 0},
+        "emissiveFactor": [1, 1, 1],
+        "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 8}},
+    }));
+    // Its channels are all that the importer itself looks at.
+    let dir = tempfile::tempdir().unwrap();
+    let image = dir.path().join("white.exr");
+    let white = Image::from_rgb(1, 1, &[Rgb::ONE]);
+    crate::image::write(&image, &white, &WriteOptions::default()).unwrap();
+    file.json["images"] = json!([{"uri": image.to_str().unwrap()}]);
+    file.json["samplers"] = json!([{"wrapS": 33071, "wrapT": 33648, "magFilter": 9728}]);
+    file.json["textures"] = json!([{"source": 0, "sampler": 0}]);
+    let asked = Arc::new(Asked::default());
+    let parts = load_text(&file.text(), &DAffine3::IDENTITY, asked.clone()).unwrap();
+    let asked = asked.0.lock().unwrap();
+    let raw: Vec<bool> = asked.iter().map(|s| s.raw).collect();
+    // Colour, roughness, metalness, then the glow and the normals.
+    assert_eq!(raw, [false, true, true, false, true], "{asked:?}");
+    let channels: Vec<_> = asked.iter().map(|s| s.channel.as_deref()).collect();
+    assert_eq!(&channels[..3], [None, Some("g"), Some("b")]);
+    assert_eq!(
+        (asked[0].wrap_u, asked[0].wrap_v),
+        (Wrap::Clamp, Wrap::Mirror)
+    );
+    assert_eq!(asked[0].filter, Filter::Nearest);
+    let Emitter::Area { radiance, .. } = &parts.emitters[0] else {
+        panic!("{:?}", parts.emitters)
+    };
+    assert_eq!(radiance.constant(), Some(Rgb::splat(4.0)));
+}
+
+#[test]
+fn opacity_counts_as_the_alpha_mode_says() {
+    let opacity = |mode: &str| {
+        let parts = made_of(json!({
+            "alphaMode": mode, "alphaCutoff": 0.3,
+            "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.25]},
+        }));
+        match parts.materials.get(parts.shapes[0].material) {
+            Material::Mask { opacity, .. } => opacity.constant().map(|c| c.x),
+            _ => None,
+        }
+    };
+    assert_eq!(opacity("OPAQUE"), None);
+    assert_eq!(opacity("BLEND"), Some(0.25));
+    assert_eq!(opacity("MASK"), Some(0.0));
+}
+
+#[test]
+fn transmission_is_thin_unless_there_is_a_volume() {
+    let glass = |volume: Option<Value>| {
+        let mut extensions = json!({
+            "KHR_materials_transmission": {"transmissionFactor": 1},
+            "KHR_materials_ior": {"ior": 1.4},
+        });
+        if let Some(volume) = volume {
+            extensions["KHR_materials_volume"] = volume;
+        }
+        made_of(json!({
+            "pbrMetallicRoughness": {"metallicFactor": 0}, "extensions": extensions,
+        }))
+    };
+    let parts = glass(None);
+    let Material::PrincipledThin(thin) = parts.materials.get(parts.shapes[0].material) else {
+        panic!("{parts:?}")
+    };
+    let PrincipledThin { spec_trans, .. } = &**thin;
+    assert_eq!(value(spec_trans), 1.0);
+    let parts = glass(Some(json!({"thicknessFactor": 1})));
+    let p = principled(&parts);
+    assert_eq!((value(&p.spec_trans), p.eta), (1.0, 1.4));
+    assert_eq!(value(&p.base_color), 1.0);
+    // Twice the distance at which a quarter is left: a sixteenth over the thickness.
+    let volume = json!({
+        "thicknessFactor": 2, "attenuationDistance": 1, "attenuationColor": [0.25, 1, 1],
+    });
+    let parts = glass(Some(volume));
+    let tint = principled(&parts).base_color.constant().unwrap();
+    assert!(
+        (tint - Rgb::new(0.0625, 1.0, 1.0)).length() < 1e-6,
+        "{tint}"
+    );
+    assert!(
+        parts.warnings[0].contains("thickness"),
+        "{:?}",
+        parts.warnings
+    );
+}
+
+#[test]
+fn a_coat_lies_around_the_rest() {
+    let coat = |factor: f32, roughness: f32| {
+        let parts = made_of(json!({"extensions": {"KHR_materials_clearcoat": {
+            "clearcoatFactor": factor, "clearcoatRoughnessFactor": roughness,
+        }}}));
+        let found = core(&parts, parts.shapes[0].material);
+        match found {
+            Material::Blend { second, weight, .. } => {
+                assert_eq!(value(weight), factor);
+                std::mem::discriminant(core(&parts, *second))
+            }
+            other => std::mem::discriminant(other),
+        }
+    };
+    assert_eq!(coat(1.0, 0.0), coat(0.5, 0.0));
+    assert_eq!(coat(1.0, 0.5), coat(0.5, 0.5));
+    assert_ne!(coat(1.0, 0.0), coat(1.0, 0.5));
+}
+
+#[test]
+fn vertex_colours_multiply_the_base() {
+    let mut file = with_material(json!({"pbrMetallicRoughness": {"metallicFactor": 0}}));
+    let colors = file.floats(&[[0.5f32, 0.25, 1.0, 0.5]; 3]);
+    file.primitive()["attributes"]["COLOR_0"] = colors.into();
+    let parts = file.load();
+    let color = &principled(&parts).base_color;
+    assert!(matches!(color, Texture::MeshAttribute(_)), "{color:?}");
+    let attribute = &mesh(&parts, 0).attributes.list[0];
+    assert_eq!(attribute.values, [Rgb::new(0.5, 0.25, 1.0); 3]);
+}

@@ -1,0 +1,290 @@
+//! Textures: images from files, data URIs and buffers, with their samplers and placements.
+//!
+//! The texture loader reads files; images inside the glTF file are put into a temporary directory that
+//! only this user can read, and that is gone when the import ends: by then their texels are loaded.
+
+use super::schema::TextureInfo;
+use super::{Importer, error};
+use crate::image::file::ImageFile;
+use crate::math::Rgb;
+use crate::scene::import::ImportError;
+use crate::texture::{BitmapSettings, Filter, Texture, UvTransform, Wrap};
+use glam::{Affine2, Mat2, Vec2};
+use serde_json::Value;
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+use tempfile::TempDir;
+
+/// Image files in use.
+#[derive(Debug, Default)]
+pub(super) struct Images {
+    opened: HashMap<usize, Opened>,
+    /// Where images inside the glTF file are unpacked.
+    folder: Option<TempDir>,
+}
+
+#[derive(Debug)]
+struct Opened {
+    path: PathBuf,
+    /// Names of the channels.
+    channels: usize,
+}
+
+/// Which numbers of an image are wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Use {
+    /// Colours behind the sRGB curve.
+    Color,
+    /// All channels as they are.
+    Vector,
+    /// One channel as it is: 0 is red.
+    Channel(usize),
+}
+
+const CHANNELS: [&str; 4] = ["r", "g", "b", "a"];
+
+fn wrap(code: Option<u32>) -> Wrap {
+    match code {
+        Some(33071) => Wrap::Clamp,
+        Some(33648) => Wrap::Mirror,
+        _ => Wrap::Repeat,
+    }
+}
+
+/// The placement that `KHR_texture_transform` asks for.
+///
+/// Offset * rotation * scale; a positive rotation turns coordinates counter-clockwise as they are seen
+/// on the image, whose v points down.
+pub(super) fn placement(info: &TextureInfo) -> UvTransform {
+    let Some(extension) = info.extensions.get("KHR_texture_transform") else {
+        return UvTransform(Affine2::IDENTITY);
+    };
+    let pair = |key: &str, default: Vec2| {
+        let value = extension.get(key).cloned();
+        let pair: Option<[f32; 2]> = value.and_then(|v| serde_json::from_value(v).ok());
+        pair.map_or(default, Vec2::from)
+    };
+    let angle = extension.get("rotation").and_then(Value::as_f64);
+    let (sin, cos) = angle.unwrap_or(0.0).sin_cos();
+    let (sin, cos) = (sin as f32, cos as f32);
+    let rotation = Mat2::from_cols(Vec2::new(cos, -sin), Vec2::new(sin, cos));
+    let scale = Mat2::from_diagonal(pair("scale", Vec2::ONE));
+    UvTransform(Affine2 {
+        matrix2: rotation * scale,
+        translation: pair("offset", Vec2::ZERO),
+    })
+}
+
+/// The set of texture coordinates that a texture is laid out with.
+pub(super) fn uv_set(info: &TextureInfo) -> usize {
+    let transform = info.extensions.get("KHR_texture_transform");
+    let replaced = transform.and_then(|t| t.get("texCoord")?.as_u64());
+    replaced.map_or(info.tex_coord, |set| set as usize)
+}
+
+impl Importer<'_> {
+    /// The texture that a material names, times `factor`; the factor alone where there is none.
+    pub(super) fn textured(
+        &mut self,
+        info: Option<&TextureInfo>,
+        how: Use,
+        factor: Rgb,
+    ) -> Result<Texture, ImportError> {
+        let texture = match info {
+            Some(info) => self.texture(info, how)?,
+            None => None,
+        };
+        Ok(texture.map_or(Texture::Constant(factor), |t| t.scaled(factor)))
+    }
+
+    /// The texture that a material names. `None` for the opacity of an image that has none, and for
+    /// what is missing and forgiven.
+    pub(super) fn texture(
+        &mut self,
+        info: &TextureInfo,
+        how: Use,
+    ) -> Result<Option<Texture>, ImportError> {
+        let found = self.open(info, how);
+        match found {
+            Err(error) if self.options.lenient => {
+                self.warn(format!("a texture is left out: {}", error.message));
+                Ok(None)
+            }
+            found => found,
+        }
+    }
+
+    fn open(&mut self, info: &TextureInfo, how: Use) -> Result<Option<Texture>, ImportError> {
+        let image = self.image_of(info.index)?;
+        let (path, channels) = self.image_file(image)?;
+        let channel = match how {
+            Use::Color | Use::Vector => None,
+            // Grey images answer for red, green and blue alike.
+            Use::Channel(3) if channels != 2 && channels != 4 => return Ok(None),
+            Use::Channel(c) if c < 3 && channels < 3 => None,
+            Use::Channel(c) => CHANNELS.get(c).map(|c| (*c).to_owned()),
+        };
+        let textures = &self.document().textures;
+        let sampler = textures.get(info.index).and_then(|t| t.sampler);
+        let sampler = sampler.and_then(|s| self.document().samplers.get(s));
+        let settings = BitmapSettings {
+            path,
+            raw: how != Use::Color,
+            gamma: None,
+            filter: match sampler.and_then(|s| s.mag_filter) {
+                Some(9728) => Filter::Nearest,
+                _ => Filter::Linear,
+            },
+            wrap_u: wrap(sampler.and_then(|s| s.wrap_s)),
+            wrap_v: wrap(sampler.and_then(|s| s.wrap_t)),
+            to_uv: placement(info),
+            channel,
+        };
+        let opened = self.options.textures.open(settings);
+        opened.map(Some).map_err(|e| {
+            let message = format!("{} cannot be used: {}", self.image_name(image), e.reason);
+            error(self.path(), message)
+        })
+    }
+
+    /// The image behind a texture.
+    fn image_of(&self, texture: usize) -> Result<usize, ImportError> {
+        let fail = |message: String| error(self.path(), message);
+        let found = self.document().textures.get(texture);
+        let found = found.ok_or_else(|| fail(format!("there is no texture {texture}")))?;
+        let webp = found.extensions.get("EXT_texture_webp");
+        let webp = webp.and_then(|e| e.get("source")?.as_u64());
+        let image = webp.map(|i| i as usize).or(found.source);
+        image.ok_or_else(|| {
+            let names: Vec<&str> = found.extensions.keys().map(String::as_str).collect();
+            let of = match names.is_empty() {
+                true => String::new(),
+                false => format!(" that can be read, only one of {}", names.join(", ")),
+            };
+            fail(format!("texture {texture} has no image{of}"))
+        })
+    }
+
+    /// How messages call an image.
+    fn image_name(&self, index: usize) -> String {
+        let image = self.document().images.get(index);
+        let uri = image.and_then(|i| i.uri.as_deref());
+        match uri.filter(|u| !u.starts_with("data:")) {
+            Some(uri) => format!("image {index} ({uri})"),
+            None => format!("image {index}"),
+        }
+    }
+
+    /// A file with image `index`, and how many channels it has.
+    fn image_file(&mut self, index: usize) -> Result<(PathBuf, usize), ImportError> {
+        if let Some(known) = self.images.opened.get(&index) {
+            return Ok((known.path.clone(), known.channels));
+        }
+        let name = self.image_name(index);
+        let path = self.locate(index, &name)?;
+        let file = ImageFile::open(&path)
+            .map_err(|e| error(self.path(), format!("{name} cannot be used: {}", e.reason)))?;
+        let channels = file.header().channels.len();
+        let opened = Opened {
+            path: path.clone(),
+            channels,
+        };
+        self.images.opened.insert(index, opened);
+        Ok((path, channels))
+    }
+
+    fn locate(&mut self, index: usize, name: &str) -> Result<PathBuf, ImportError> {
+        let container = self.container;
+        let fail = |message: String| error(&container.path, message);
+        let image = container.document.images.get(index);
+        let image = image.ok_or_else(|| fail(format!("there is no image {index}")))?;
+        let decoded;
+        let bytes = match (&image.uri, image.buffer_view) {
+            (Some(uri), _) if uri.starts_with("data:") => {
+                decoded = container.embedded(uri, name)?;
+                decoded.as_slice()
+            }
+            (Some(uri), _) => return container.resolve(uri, name),
+            (None, Some(view)) => container.view(view)?,
+            (None, None) => return Err(fail(format!("{name} is nowhere"))),
+        };
+        let stored = self.images.store(index, bytes, image.mime_type.as_deref());
+        stored.map_err(|e| fail(format!("{name} cannot be unpacked: {e}")))
+    }
+}
+
+impl Images {
+    /// Unpacks an image. Its name is always the same, since it helps to tell scenes apart; the name's
+    /// end tells readers the format.
+    fn store(
+        &mut self,
+        index: usize,
+        bytes: &[u8],
+        mime_type: Option<&str>,
+    ) -> std::io::Result<PathBuf> {
+        let suffix = match (bytes, mime_type) {
+            ([0x89, b'P', b'N', b'G', ..], _) => "png",
+            ([0xff, 0xd8, ..], _) => "jpg",
+            ([b'R', b'I', b'F', b'F', ..], _) => "webp",
+            ([0x76, 0x2f, 0x31, 0x01, ..], _) => "exr",
+            (_, Some("image/jpeg")) => "jpg",
+            _ => "png",
+        };
+        let folder = match self.folder.take() {
+            Some(folder) => folder,
+            None => tempfile::Builder::new().prefix("twintree-").tempdir()?,
+        };
+        let path = self.folder.insert(folder).path();
+        let path = path.join(format!("image-{index}.{suffix}"));
+        std::fs::write(&path, bytes)?;
+        Ok(path)
+    }
+}
+
+/// Normals times `scale` in x and y, before they are normalised; `mirrored` turns y around, for
+/// triangles whose texture is laid on back to front.
+pub(super) fn bent_normals(normals: Texture, scale: f32, mirrored: bool) -> Texture {
+    let y = if mirrored { -scale } else { scale };
+    if (scale, y) == (1.0, 1.0) {
+        return normals;
+    }
+    // n = 2 t - 1, so a factor s on n is t' = s t + (1 - s) / 2.
+    let factor = Rgb::new(scale, y, 1.0);
+    let offset = (Rgb::ONE - factor) * 0.5;
+    Texture::Affine(Arc::new((normals, factor, offset)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::texture::SurfacePoint;
+
+    fn transform(json: &str) -> UvTransform {
+        let text = format!(r#"{{"index":0,"extensions":{{"KHR_texture_transform":{json}}}}}"#);
+        placement(&serde_json::from_str(&text).unwrap())
+    }
+
+    #[test]
+    fn coordinates_are_scaled_then_turned_then_moved() {
+        let at = |t: &UvTransform, u, v| t.0.transform_point2(Vec2::new(u, v));
+        let moved = transform(r#"{"offset":[0.25,0.5],"scale":[2.0,4.0]}"#);
+        assert_eq!(at(&moved, 0.5, 0.25), Vec2::new(1.25, 1.5));
+        // A quarter turn counter-clockwise, seen with v down: right becomes up, which is -v.
+        let turned = transform(r#"{"rotation":1.5707963267948966,"scale":[2.0,1.0]}"#);
+        assert!((at(&turned, 1.0, 0.0) - Vec2::new(0.0, -2.0)).length() < 1e-6);
+        assert!((at(&turned, 0.0, 1.0) - Vec2::new(1.0, 0.0)).length() < 1e-6);
+    }
+
+    #[test]
+    fn normals_are_bent_about_the_surfaces_own() {
+        let map = |n: Rgb| Texture::Constant(n * 0.5 + Rgb::splat(0.5));
+        let n = Rgb::new(0.3, -0.4, 0.8);
+        let bent = bent_normals(map(n), 0.5, true).eval(&SurfacePoint::at_uv(Vec2::ZERO));
+        let decoded = bent * 2.0 - Rgb::ONE;
+        assert!(
+            (decoded - Rgb::new(0.15, 0.2, 0.8)).length() < 1e-6,
+            "{decoded}"
+        );
+    }
+}

@@ -1,0 +1,129 @@
+//! The light of a studio.
+
+use super::{Sky, Studio, facing};
+use crate::accel::{Bounds, ExactKind, ExactShape};
+use crate::bsdf::Material;
+use crate::camera::CameraDescription;
+use crate::light::{Emitter, SunSky};
+use crate::math::{Affine3A, DVec3, Rgb, Vec3};
+use crate::scene::import::parts::Parts;
+use crate::scene::{Geometry, Shape};
+use crate::texture::Texture;
+use std::f32::consts::PI;
+
+/// Radiance of the dome.
+const DOME: f32 = 0.4;
+/// Irradiance that the key light alone causes on a surface that faces it.
+const KEY: f32 = 2.4;
+/// Distance and radius of the key light, in radii of the model.
+const KEY_DISTANCE: f32 = 8.0;
+const KEY_RADIUS: f32 = 1.6;
+/// Where the key light is: to the left of the camera, and above the ground, degrees.
+const KEY_AZIMUTH: f64 = -40.0;
+const KEY_ELEVATION: f64 = 45.0;
+/// Radiance of the sky in the sky model's units becomes that of the studio: a white wall in the sun is
+/// about white.
+const SUN_SKY_SCALE: f32 = 0.04;
+
+impl Studio {
+    pub(super) fn add_light(&self, parts: &mut Parts, camera: &CameraDescription, bounds: Bounds) {
+        if let Some(path) = &self.environment {
+            parts.emitters.push(Emitter::EnvironmentMap {
+                path: path.clone(),
+                scale: 1.0,
+                to_world: self.upright(),
+                gamma: None,
+            });
+        }
+        let default = match parts.emitters.is_empty() {
+            true => Sky::Studio,
+            false => Sky::None,
+        };
+        match self.sky.as_ref().unwrap_or(&default) {
+            Sky::None => {}
+            Sky::White(radiance) => parts.emitters.push(Emitter::Constant {
+                radiance: *radiance,
+            }),
+            Sky::Sun { azimuth, elevation } => {
+                let sun = self.sun(*azimuth, *elevation);
+                parts.emitters.push(sun);
+            }
+            Sky::Studio => {
+                let radiance = Rgb::splat(DOME);
+                parts.emitters.push(Emitter::Constant { radiance });
+                self.add_key(parts, camera, bounds);
+            }
+        }
+    }
+
+    /// From a world with +y up to the studio's.
+    fn upright(&self) -> Affine3A {
+        if self.z_up {
+            Affine3A::from_rotation_x(0.5 * PI)
+        } else {
+            Affine3A::IDENTITY
+        }
+    }
+
+    /// A direction by its angles: azimuth 0 is the model's front, positive to its left (the right of
+    /// who looks at it).
+    fn direction(&self, azimuth: f64, elevation: f64) -> DVec3 {
+        let (up, front) = (self.up(), self.front());
+        let (sin_a, cos_a) = azimuth.to_radians().sin_cos();
+        let (sin_e, cos_e) = elevation.to_radians().sin_cos();
+        (front * cos_a + up.cross(front) * sin_a) * cos_e + up * sin_e
+    }
+
+    fn sun(&self, azimuth: f64, elevation: f64) -> Emitter {
+        let to_world = self.upright();
+        let world = self.direction(azimuth, elevation).as_vec3();
+        Emitter::SunSky {
+            settings: SunSky {
+                sky: true,
+                sun: true,
+                sun_direction: to_world.inverse().transform_vector3(world).normalize(),
+                turbidity: 3.0,
+                albedo: Rgb::splat(0.3),
+                sky_scale: 1.0,
+                sun_scale: 1.0,
+                sun_radius_degrees: 0.2679,
+                stretch: 1.0,
+                z_up: false,
+            },
+            scale: SUN_SKY_SCALE,
+            to_world,
+        }
+    }
+
+    fn add_key(&self, parts: &mut Parts, camera: &CameraDescription, bounds: Bounds) {
+        let center = bounds.center();
+        let radius = bounds.radius().max(f32::MIN_POSITIVE);
+        let from = camera.to_world.translation - center.as_dvec3();
+        let (up, front) = (self.up(), self.front());
+        let azimuth = from.dot(up.cross(front)).atan2(from.dot(front));
+        let to_key = self.direction(azimuth.to_degrees() + KEY_AZIMUTH, KEY_ELEVATION);
+        let to_key: Vec3 = to_key.as_vec3();
+        let disk = facing(
+            center + to_key * (KEY_DISTANCE * radius),
+            -to_key,
+            KEY_RADIUS * radius,
+        );
+        // E = L pi sin^2 of the half angle under which a disk is seen.
+        let sin2 = KEY_RADIUS.powi(2) / (KEY_RADIUS.powi(2) + KEY_DISTANCE.powi(2));
+        let radiance = Texture::Constant(Rgb::splat(KEY / (PI * sin2)));
+        let black = Texture::Constant(Rgb::ZERO);
+        let material = parts
+            .materials
+            .push(Material::Diffuse { reflectance: black });
+        let shape = parts.shapes.len() as u32;
+        parts.emitters.push(Emitter::Area { shape, radiance });
+        parts.shapes.push(Shape {
+            name: "key light".into(),
+            geometry: Geometry::Exact(ExactShape::new(ExactKind::Disk, disk)),
+            material,
+            emitter: Some((parts.emitters.len() - 1) as u32),
+            flip_normals: false,
+            group: None,
+        });
+    }
+}

@@ -1,0 +1,198 @@
+//! Looking at fields: brute force against closed forms, the learned distribution against brute force,
+//! and where the camera looks at all.
+
+mod support;
+
+use support::{Built, SceneMaker, inside_of_cube, mesh, settings};
+use twintree::accel::{Backend, ExactKind};
+use twintree::guide::{Field, ModelKind, SurfacePoint, Trainer};
+use twintree::integrate::guiding::{Guide, facing};
+use twintree::integrate::importance::met_by_camera;
+use twintree::integrate::learn::{LearnSettings, Learned, learn};
+use twintree::integrate::probe::{LatLong, brute_force, learned, seen_from};
+use twintree::integrate::{PathSettings, cells};
+use twintree::light::Emitter;
+use twintree::math::{Affine3A, Rgb, Vec2, Vec3};
+use twintree::photon::PhotonSettings;
+
+const PI: f32 = std::f32::consts::PI;
+
+/// A grey floor, seen from above, under a constant sky.
+fn floor(radiance: f32) -> Built {
+    let mut maker = SceneMaker::new(Vec3::new(0.0, 0.0, 2.0), Vec3::ZERO, 40.0, 8);
+    let grey_wall = maker.diffuse(0.5);
+    let corners = [(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)];
+    let corners = corners.map(|(x, y)| Vec3::new(x, y, 0.0)).to_vec();
+    let square = mesh(corners, vec![[0, 1, 2], [0, 2, 3]]);
+    maker.shape(square, grey_wall, None, false);
+    maker.emitter(Emitter::Constant {
+        radiance: Rgb::splat(radiance),
+    });
+    maker.build(Backend::default())
+}
+
+fn probed(built: &Built, path: &PathSettings, rows: u32, spp: u32) -> LatLong {
+    let (point, wo) = seen_from(&built.scene, &built.camera, Vec2::new(4.5, 4.5)).unwrap();
+    let normal = facing(&point, wo);
+    brute_force(&built.scene, path, &point, normal, rows, spp)
+}
+
+#[test]
+fn brute_force_finds_pi_under_a_sky_of_one() {
+    let built = floor(1.0);
+    let mut path = settings();
+    let view = probed(&built, &path, 32, 64);
+    // The integral of the cosine over the upper hemisphere; below the horizon nothing.
+    let sum = view.integral();
+    assert!(
+        (sum - Rgb::splat(PI)).abs().max_element() < 0.005 * PI,
+        "{sum}"
+    );
+    let (upper, lower) = view.pixels.split_at(view.pixels.len() / 2);
+    assert!(upper.iter().all(|p| p.x > 0.0) && lower.iter().all(|p| *p == Rgb::ZERO));
+    // The first row looks along the normal, the last above the horizon nearly along it.
+    assert!((view.pixels[0].x - 1.0).abs() < 0.01);
+    // A sky that is hidden as emitters are leaves what the floor itself sends up: nothing.
+    path.hide_emitters = true;
+    assert_eq!(probed(&built, &path, 8, 4).integral(), Rgb::ZERO);
+}
+
+/// Two closed rooms, each with its lamp; the camera stands in the left one.
+fn two_rooms() -> Built {
+    let mut maker = SceneMaker::new(
+        Vec3::new(-2.0, 0.0, -0.9),
+        Vec3::new(-2.0, -0.2, 1.0),
+        70.0,
+        32,
+    );
+    let wall = maker.diffuse(0.6);
+    let black = maker.diffuse(0.0);
+    let mut corners = Vec::new();
+    let mut triangles = Vec::new();
+    for x in [-2.0, 2.0] {
+        let twintree::scene::Geometry::Mesh(cube) = inside_of_cube(1.0) else {
+            panic!("a cube is a mesh");
+        };
+        let first = corners.len() as u32;
+        let moved = cube.triangles.positions().iter();
+        corners.extend(moved.map(|p| *p + Vec3::new(x, 0.0, 0.0)));
+        let all = cube.triangles.triangles().iter();
+        triangles.extend(all.map(|t| t.map(|i| i + first)));
+        let up = Affine3A::from_translation(Vec3::new(x, 0.3, 0.2))
+            * Affine3A::from_rotation_x(-std::f32::consts::FRAC_PI_2)
+            * Affine3A::from_scale(Vec3::splat(0.25));
+        let lamp = maker.exact(ExactKind::Rectangle, up);
+        maker.shape(lamp, black, Some(8.0), false);
+    }
+    maker.shape(mesh(corners, triangles), wall, None, false);
+    maker.build(Backend::default())
+}
+
+fn taught(built: &Built, photons: u64, paths: u64, model: ModelKind) -> Learned {
+    let settings = LearnSettings {
+        photons,
+        paths,
+        batches: 6,
+        memory: 32 << 20,
+        photon: PhotonSettings {
+            max_bounces: 8,
+            roulette_after: 3,
+            seed: 5,
+        },
+        model,
+    };
+    let path = PathSettings {
+        max_depth: 10,
+        ..support::settings()
+    };
+    learn(&built.view(&path, None), &settings).expect("the field is learned")
+}
+
+/// The part of two densities over the sphere that is common: 1 if they are the same, 0 if disjoint.
+fn overlap(a: &LatLong, b: &LatLong) -> f32 {
+    let (sum_a, sum_b) = (a.integral().x, b.integral().x);
+    let pixels = a.pixels.iter().zip(&b.pixels);
+    let common = LatLong {
+        pixels: pixels.map(|(a, b)| (*a / sum_a).min(*b / sum_b)).collect(),
+        ..a.clone()
+    };
+    common.integral().x
+}
+
+#[test]
+fn the_learned_distribution_is_a_density_and_close_to_brute_force() {
+    let built = two_rooms();
+    let path = PathSettings {
+        hide_emitters: true,
+        ..settings()
+    };
+    let (point, wo) = seen_from(&built.scene, &built.camera, Vec2::new(16.5, 24.5)).unwrap();
+    let normal = facing(&point, wo);
+    let truth = brute_force(&built.scene, &path, &point, normal, 16, 256);
+    for model in ModelKind::ALL {
+        let taught = taught(&built, 100_000, 50_000, *model);
+        let view = learned(&taught.guide, &point, normal, 64);
+        let whole = view.integral();
+        assert!((whole - Rgb::ONE).abs().max_element() < 0.02, "{whole}");
+        let view = learned(&taught.guide, &point, normal, 16);
+        let unknowing = Field::random(Vec3::splat(-3.0), Vec3::splat(3.0), *model, 1);
+        let unknowing = learned(&Guide::new(unknowing), &point, normal, 16);
+        let (good, bad) = (overlap(&truth, &view), overlap(&truth, &unknowing));
+        println!("{model:?}: overlap {good} learned, {bad} random");
+        assert!(good > 0.75 && bad < 0.6, "{model:?}: {good}, {bad}");
+        // The colour of light that it expects: irradiance within a tenth of what arrives.
+        let field = &taught.guide.field;
+        let expected = field.at(point.p, Some(normal), Rgb::ONE).irradiance().x;
+        let arrives = truth.integral().x;
+        println!("irradiance {expected} learned, {arrives} traced");
+    }
+}
+
+#[test]
+fn the_camera_meets_its_own_room_and_the_other_one_is_not_refined() {
+    let built = two_rooms();
+    let path = settings();
+    let met = met_by_camera(&built.view(&path, None));
+    assert!(met.len() > 10_000, "{}", met.len());
+    assert!(met.iter().all(|p| p.position.x < -0.99));
+    // Every wall is met, on its inner side.
+    for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
+        for side in [axis, -axis] {
+            let on = |p: &&SurfacePoint| p.normal.dot(side) > 0.99;
+            assert!(met.iter().filter(on).count() > 300, "{side}");
+        }
+    }
+    let taught = taught(&built, 200_000, 0, ModelKind::Constant);
+    let cells_in = |x: f32| {
+        let field = &taught.guide.field;
+        let mut cells: Vec<u32> = (0..400)
+            .map(|i| {
+                let at = Vec2::new((i % 20) as f32, (i / 20) as f32) / 10.0 - 0.95;
+                field.cell(Vec3::new(x + at.x, -1.0, at.y), Vec3::Y)
+            })
+            .collect();
+        cells.sort_unstable();
+        cells.dedup();
+        cells.len()
+    };
+    let (seen, unseen) = (cells_in(-2.0), cells_in(2.0));
+    println!("{seen} cells on the floor of the room that is seen, {unseen} on the other");
+    assert!(seen > 4 * unseen, "{seen} and {unseen}");
+    // The picture of the cells shows the ones of this room.
+    let (pixels, count) = cells::seen(&built.view(&path, None), &taught.guide.field);
+    assert!(count > 20 && pixels.iter().all(|p| p.max_element() > 0.0));
+}
+
+#[test]
+fn what_learning_hands_over_is_what_guides() {
+    let built = two_rooms();
+    let taught = taught(&built, 50_000, 20_000, ModelKind::Constant);
+    let trainer = Trainer::from_bytes(&taught.trainer.to_bytes()).unwrap();
+    let frozen = trainer.freeze();
+    let x = Vec3::new(-2.3, -1.0, 0.4);
+    for i in 0..100 {
+        let u = Vec2::new(i as f32 / 100.0, 0.37);
+        let draw = |f: &Field| f.at(x, Some(Vec3::Y), Rgb::ONE).sample(u, u);
+        assert_eq!(draw(&frozen), draw(&taught.guide.field));
+    }
+}
