@@ -4,7 +4,7 @@
 use super::oiio::input::Input;
 #[cfg(not(feature = "oiio"))]
 use super::openexr::Input;
-use super::{Attribute, Channel, Image, ImageError, PixelType};
+use super::{Attribute, Channel, Image, ImageError, PixelType, promise};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -34,33 +34,10 @@ pub struct Header {
     pub format: String,
 }
 
-/// Most bytes of pixels that one byte of a file can stand for. Deflate reaches 1032, and the densest
-/// codec here (DWA, on a black image) about 64 times that: a header that promises more is lying.
-const MOST_BYTES_FROM_ONE: u64 = 1 << 17;
-/// The largest image that is read, in bytes as `f32`.
-const MOST_BYTES: u64 = 1 << 36;
-
 impl Header {
     /// Numbers in the whole image, once it is clear that a file of `file_bytes` can hold them.
     fn numbers(&self, file_bytes: u64) -> Result<usize, String> {
-        let promised = u64::from(self.level.width)
-            .checked_mul(u64::from(self.level.height))
-            .and_then(|n| n.checked_mul(self.channels.len() as u64))
-            .and_then(|n| n.checked_mul(4));
-        match promised {
-            Some(bytes)
-                if bytes <= MOST_BYTES && bytes / MOST_BYTES_FROM_ONE <= file_bytes + 1024 =>
-            {
-                Ok((bytes / 4) as usize)
-            }
-            _ => Err(format!(
-                "its header promises {} x {} pixels of {} channels, more than {} bytes can hold",
-                self.level.width,
-                self.level.height,
-                self.channels.len(),
-                file_bytes
-            )),
-        }
+        promise::numbers(self.level, self.channels.len(), file_bytes)
     }
 }
 
@@ -82,6 +59,7 @@ impl ImageFile {
             return Err(error("is not a file".into()));
         }
         let unreadable = |why| error(format!("the image cannot be read: {why}"));
+        promise::check_exr(path, meta.len()).map_err(unreadable)?;
         let input = Input::open(path).map_err(unreadable)?;
         let header = input.header().map_err(unreadable)?;
         header.numbers(meta.len()).map_err(unreadable)?;

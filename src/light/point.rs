@@ -31,7 +31,8 @@ pub(super) fn incident_from(position: Vec3, p: Vec3, intensity: Rgb) -> Option<D
     let d2 = to.length_squared();
     let distance = d2.sqrt();
     let irradiance = intensity / d2;
-    if distance <= 0.0 || !irradiance.is_finite() {
+    // What is too bright for a number is passed on: the sample is left out and counted.
+    if distance < f32::MIN_POSITIVE {
         return None;
     }
     Some(DeltaIncident {

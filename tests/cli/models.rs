@@ -72,7 +72,7 @@ fn words_that_do_not_go_together_are_told() {
     let cases: [(&str, &[&str]); 8] = [
         ("render scene.xml --ground", &["--ground is for models"]),
         ("render a.obj -D a=b", &["-D a", "scene"]),
-        ("render a.obj scene.xml", &["scene.xml is no model"]),
+        ("render a.obj scene.xml", &["scene.xml: is no model"]),
         ("render a.obj@spin=3", &["spin=3", "rotate=AXIS"]),
         ("render a.obj --material cheese", &["cheese", "clay"]),
         (

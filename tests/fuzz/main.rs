@@ -98,6 +98,9 @@ fn parts() {
 #[ignore = "writes the corpus"]
 fn write_the_corpus() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz/corpus");
+    for kind in ["field", "image", "part"] {
+        std::fs::create_dir_all(folder.join(kind)).expect("a folder");
+    }
     let settings = Settings {
         max_direction_level: 2,
         max_space_level: 2,

@@ -120,7 +120,7 @@ fn what_a_farm_cannot_do_is_refused_with_a_reason() {
         ("a.xml --shard 0/3", "--shards"),
         ("a.xml --preview tev", "no image to show"),
         ("a.xml --ssp 3", "--ssp"),
-        ("--spp 3", "<SCENE>"),
+        ("--spp 3", "<SCENE"),
         ("a{{b}}.xml", "job file"),
     ] {
         let text = sort(&typed(line)).unwrap_err().text().unwrap();

@@ -97,6 +97,7 @@ mod tests {
     /// A sphere, a mesh, an instance, a camera and a point light around (x, -x, x).
     fn at(x: &str) -> Description {
         let stage = Stage::new().define("x", x).define("y", &format!("-{x}"));
+        stage.file("a.obj", "");
         stage.modern(
             "<sensor type='perspective'><transform name='to_world'><lookat origin='0 0 -5' target='0 0 0' up='0 1 0'/><translate x='$x' y='$y' z='$x'/></transform></sensor>
              <shape type='sphere'><float name='radius' value='1.5'/><transform name='to_world'><translate x='$x' y='$y' z='$x'/></transform></shape>

@@ -97,7 +97,7 @@ pub fn load(
     }
     let loaded: Vec<Result<Loaded, ImportError>> = meshes
         .par_iter()
-        .map(|m| (options.load_mesh)(&m.source.path, m.kind, &m.options()))
+        .map(|m| (options.load_mesh)(&m.source.path, m.kind, &m.options(models)))
         .collect();
     for (unique, loaded) in meshes.iter().zip(loaded) {
         let mut adder = Adder {
@@ -132,7 +132,12 @@ fn gather<'a>(meshes: &mut Vec<Unique<'a>>, source: &'a ModelSource, kind: MeshK
 }
 
 impl Unique<'_> {
-    fn options(&self) -> MeshOptions {
+    /// What covers all of the mesh, instead of its own materials.
+    fn paint<'a>(&'a self, models: &'a ModelOptions) -> Option<&'a Paint> {
+        self.source.material.as_ref().or(models.material.as_ref())
+    }
+
+    fn options(&self, models: &ModelOptions) -> MeshOptions {
         MeshOptions {
             to_world: match self.places.as_slice() {
                 [only] => *only,
@@ -142,7 +147,7 @@ impl Unique<'_> {
             flip_normals: self.source.flip,
             flip_tex_coords: self.kind == MeshKind::Obj,
             lenient: true,
-            face_materials: self.kind == MeshKind::Obj,
+            face_materials: self.kind == MeshKind::Obj && self.paint(models).is_none(),
             ..MeshOptions::default()
         }
     }
@@ -169,8 +174,7 @@ impl Adder<'_> {
                 help: None,
             });
         }
-        let paint = unique.source.material.as_ref();
-        let paint = paint.or(self.models.material.as_ref()).cloned();
+        let paint = unique.paint(self.models);
         let mut library = match paint {
             Some(_) => Library::default(),
             None => Library::read(path, &loaded.face_materials, self.parts),

@@ -62,7 +62,7 @@ impl Stage {
         }
     }
 
-    fn file(&self, name: &str, text: &str) {
+    pub(in super::super) fn file(&self, name: &str, text: &str) {
         let path = self.directory.path().join(name);
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
         std::fs::write(path, text).unwrap();
