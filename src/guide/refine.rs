@@ -18,6 +18,9 @@ use super::train::{NODE_BYTES, SPACE_BYTES, Trainer};
 use rayon::prelude::*;
 use smallvec::SmallVec;
 
+/// A mixture with this many times the records that a split needs is divided in any case.
+const PLENTY: f64 = 4.0;
+
 /// What a round of refining did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Refined {
@@ -225,7 +228,16 @@ impl Trainer {
             let cost = self.cost(number, Split::Space);
             let d = divergence(&table.octants(), &measure).significant(n, z);
             offers.push(offer(Split::Space, d, cost));
-            let joint = joint_divergence(&table, &measure, directs).significant(n, z);
+            let joint = joint_divergence(&table, &measure, directs);
+            // Parts that are equal only as a whole, such as two rooms built alike, show no gain: a mixture
+            // with plenty of records is divided as if it had the least that could be noticed.
+            let plenty = !directs && n > PLENTY * f64::from(self.traits.split_records);
+            let least = if plenty {
+                joint.freedom.max(1.0) / (2.0 * n)
+            } else {
+                0.0
+            };
+            let joint = joint.significant(n, z).max(least);
             let joint_cost = cost + 8 * quadrant_cost * usize::from(directs);
             offers.push(offer(Split::Space, joint, joint_cost));
         }

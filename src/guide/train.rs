@@ -231,7 +231,7 @@ impl Trainer {
             },
             unit,
             origin,
-            models: (origin == Origin::Path) == (self.settings.source == Source::Paths),
+            models: true,
             again,
         };
         self.stats

@@ -126,5 +126,5 @@ fn word(file: &mut impl BufRead) -> Option<usize> {
     let mut bytes = Vec::new();
     let most = LONGEST_WORD + 1;
     file.take(most).read_until(0, &mut bytes).ok()?;
-    (bytes.last() == Some(&0)).then_some(bytes.len() - 1)
+    (bytes.last() == Some(&0)).then(|| bytes.len() - 1)
 }

@@ -24,7 +24,7 @@ const MEMORY: f64 = 0.5;
 const ENOUGH: f64 = 128.0;
 /// A cell of eight lobes with parallax explains a lot of space: dividing it earlier starves the lobes
 /// (measured: see the guide's page; OpenPGL waits for 32 000).
-const SPLIT_RECORDS: u32 = 16_000;
+const SPLIT_RECORDS: u32 = 4000;
 /// Quanta a unit in the integer sums.
 const QUANTA: f64 = (1u64 << 20) as f64;
 
