@@ -18,6 +18,10 @@ pub const DARK: EmitterId = EmitterId::MAX;
 /// it covers the tests inside the ray tracer. Guarded by the tests `rays_leave_their_surface`.
 const ERROR_SAFETY: f32 = 4.0;
 
+/// Largest turn of a normal by rounding that rays are moved for, radians: triangles with more are all but
+/// lines.
+const MOST_TURNED: f32 = 1e-2;
+
 /// A shape as rays meet it.
 #[derive(Debug)]
 pub struct Surface {
@@ -106,15 +110,29 @@ impl Surface {
     }
 }
 
+/// How far the plane that a ray tracer computes from the edges may be from the triangle's: the rounding of
+/// the edges' product turns the normal by that over the product's length, which is little unless the
+/// triangle is long and thin. Guarded by the stability suite's `s03_triangles_are_left`.
+#[inline]
+fn plane_error(e1: Vec3, e2: Vec3, cross_length: f32) -> f32 {
+    let edges = e1.length_squared() * e2.length_squared();
+    let longest = e1.length_squared().max(e2.length_squared()).sqrt();
+    let turned = gamma(3) * edges.sqrt() / cross_length.max(f32::MIN_POSITIVE);
+    turned.min(MOST_TURNED) * longest
+}
+
 fn mesh_point<'a>(mesh: &'a Mesh, hit: &Hit, needs: Needs) -> SurfacePoint<'a> {
     let vertices = mesh.triangles.triangles()[hit.prim as usize];
     let [a, b, c] = mesh.triangles.corners(hit.prim);
     let (e1, e2) = (b - a, c - a);
     let w = 1.0 - hit.u - hit.v;
     let p = a * w + b * hit.u + c * hit.v;
+    let cross = e1.cross(e2);
+    let cross_length = cross.length();
     let error = (a.abs() * w.abs() + b.abs() * hit.u.abs() + c.abs() * hit.v.abs())
-        * (ERROR_SAFETY * gamma(7));
-    let ng = e1.cross(e2).normalize_or(Vec3::Z);
+        * (ERROR_SAFETY * gamma(7))
+        + Vec3::splat(plane_error(e1, e2, cross_length));
+    let ng = cross.normalize_or(Vec3::Z);
 
     let corner_uvs = mesh
         .uvs
