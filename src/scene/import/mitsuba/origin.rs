@@ -98,14 +98,15 @@ mod tests {
     fn at(x: &str) -> Description {
         let stage = Stage::new().define("x", x).define("y", &format!("-{x}"));
         stage.file("a.obj", "");
-        stage.modern(
-            "<sensor type='perspective'><transform name='to_world'><lookat origin='0 0 -5' target='0 0 0' up='0 1 0'/><translate x='$x' y='$y' z='$x'/></transform></sensor>
+        let text = "<scene version='3.0.0'>
+             <sensor type='perspective'><transform name='to_world'><lookat origin='0 0 -5' target='0 0 0' up='0 1 0'/><translate x='$x' y='$y' z='$x'/></transform></sensor>
              <shape type='sphere'><float name='radius' value='1.5'/><transform name='to_world'><translate x='$x' y='$y' z='$x'/></transform></shape>
              <shape type='obj'><string name='filename' value='a.obj'/><transform name='to_world'><scale value='0.3'/><translate x='$x' y='$y' z='$x'/></transform></shape>
              <shape type='shapegroup' id='g'><shape type='cube'/></shape>
              <shape type='instance'><ref id='g'/><transform name='to_world'><scale value='0.7'/><translate x='$x' y='$y' z='$x'/></transform></shape>
-             <emitter type='point'><transform name='to_world'><translate x='$x' y='$y' z='$x'/></transform></emitter>",
-        )
+             <emitter type='point'><transform name='to_world'><translate x='$x' y='$y' z='$x'/></transform></emitter>
+             </scene>";
+        stage.load(text).unwrap_or_else(|e| panic!("{e}"))
     }
 
     fn mesh_corner(d: &Description) -> Vec3 {

@@ -79,7 +79,7 @@ impl Stage {
     }
 
     /// Loads `text` as the scene.
-    fn load(&self, text: &str) -> Result<Description, ImportError> {
+    pub(in super::super) fn load(&self, text: &str) -> Result<Description, ImportError> {
         self.file("scene.xml", text);
         super::load(&self.directory.path().join("scene.xml"), &self.options)
     }
