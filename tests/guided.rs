@@ -14,6 +14,7 @@ use twintree::integrate::learn::{LearnSettings, Learned, garbage, learn};
 use twintree::light::Emitter;
 use twintree::math::{Affine3A, Rgb, Vec3};
 use twintree::photon::PhotonSettings;
+use twintree::photon::schedule::Budget;
 
 /// A closed room lit by a lamp that shines at the ceiling, with a metal ball and a glass one: light
 /// arrives indirectly, off rough metal, and focused through glass.
@@ -60,7 +61,10 @@ fn learned(built: &Built, photons: u64, paths: u64) -> Learned {
         seed: 5,
     };
     let settings = LearnSettings {
-        photons,
+        photons: Budget::Exactly {
+            photons,
+            batches: 6,
+        },
         paths,
         batches: 6,
         memory: 32 << 20,

@@ -14,6 +14,7 @@ use twintree::integrate::{PathSettings, cells};
 use twintree::light::Emitter;
 use twintree::math::{Affine3A, Rgb, Vec2, Vec3};
 use twintree::photon::PhotonSettings;
+use twintree::photon::schedule::Budget;
 
 const PI: f32 = std::f32::consts::PI;
 
@@ -90,7 +91,10 @@ fn two_rooms() -> Built {
 
 fn taught(built: &Built, photons: u64, paths: u64, model: ModelKind) -> Learned {
     let settings = LearnSettings {
-        photons,
+        photons: Budget::Exactly {
+            photons,
+            batches: 6,
+        },
         paths,
         batches: 6,
         memory: 32 << 20,

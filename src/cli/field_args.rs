@@ -27,14 +27,10 @@ pub struct GuideArgs {
 /// How a field is learned.
 #[derive(Args, Debug)]
 pub struct LearnArgs {
-    /// Photon paths that teach the field
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 500_000,
-        help_heading = "Guiding"
-    )]
-    pub photons: u64,
+    /// Photon paths that teach the field [default: as many as the image is worth, while they teach
+    /// anything; with "twintree train" 500 000]
+    #[arg(long, value_name = "N", help_heading = "Guiding")]
+    pub photons: Option<u64>,
     /// Camera paths that teach the field; the first samples of a render do
     #[arg(
         long,
@@ -51,7 +47,7 @@ pub struct LearnArgs {
         help_heading = "Guiding"
     )]
     pub train: Teachers,
-    /// Batches that photons come in, each twice as large as the one before
+    /// Batches that --photons come in, each twice as large as the one before
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=32), help_heading = "Guiding")]
     pub batches: u32,
     /// Memory for the field while it is learned, such as 64M

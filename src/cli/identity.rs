@@ -4,14 +4,15 @@
 //! refusal of a part that does not fit can say what differs. Threads, file names, and everything about
 //! how the image is written do not belong here.
 
-use super::Failure;
 use super::args::RenderArgs;
 use super::field_args::Guide;
+use super::{Failure, overrides};
 use crate::accel::BuildQuality;
 use crate::film::part::{Identity, Origin, Record};
 use crate::film::{Film, FilmDescription, Shard};
 use crate::integrate::PathSettings;
 use crate::integrate::render::{Limits, View};
+use crate::photon::schedule::Budget;
 use std::fmt::Debug;
 
 /// What a record is made of.
@@ -56,7 +57,7 @@ pub fn record(args: &RenderArgs, subject: &Subject, limits: &Limits) -> Record {
         identity: Identity {
             scene: subject.scene,
             field: subject.field,
-            settings: settings(args, subject),
+            settings: settings(args, subject, limits),
         },
         region: film.crop.unwrap_or([0, 0, film.width, film.height]),
         goal: (!endless).then_some(limits.spp),
@@ -76,7 +77,7 @@ pub fn record(args: &RenderArgs, subject: &Subject, limits: &Limits) -> Record {
 }
 
 /// Settings that shape pixels, by name.
-fn settings(args: &RenderArgs, subject: &Subject) -> Vec<(String, String)> {
+fn settings(args: &RenderArgs, subject: &Subject, limits: &Limits) -> Vec<(String, String)> {
     let (film, path) = (subject.film, subject.path);
     let mut list = Vec::new();
     let mut add = |name: &str, value: &dyn Debug| list.push((name.into(), format!("{value:?}")));
@@ -105,7 +106,14 @@ fn settings(args: &RenderArgs, subject: &Subject) -> Vec<(String, String)> {
     let (guide, learn) = (args.guide.guide.unwrap_or(Guide::None), &args.guide.learn);
     add("--guide", &guide);
     if guide != Guide::None {
-        add("--photons", &learn.photons);
+        match overrides::photons_for(learn, film, limits) {
+            Budget::Exactly { photons, .. } => add("--photons", &photons),
+            Budget::AsNeeded { samples, time } => {
+                // What a clock decides is not the same twice in any case.
+                let samples = time.is_none().then_some(samples);
+                add("--photons, for samples of the image", &samples);
+            }
+        }
         add("--paths", &learn.paths);
         add("--train", &learn.train);
         add("--batches", &learn.batches);

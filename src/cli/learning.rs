@@ -7,7 +7,7 @@ use crate::image::atomic;
 use crate::integrate::extend::{check_scene, to_guide};
 use crate::integrate::guiding::Guide;
 use crate::integrate::learn::{Learned, Learner, learn};
-use crate::integrate::render::View;
+use crate::integrate::render::{Limits, View};
 use crate::integrate::trial;
 use crate::photon::PhotonCounts;
 use crate::report::words;
@@ -98,7 +98,12 @@ impl Guiding {
 ///
 /// # Errors
 /// When there is nothing to learn from.
-pub fn guiding(args: &GuideArgs, opened: Option<Opened>, view: &View) -> Result<Guiding, Failure> {
+pub fn guiding(
+    args: &GuideArgs,
+    opened: Option<Opened>,
+    view: &View,
+    limits: &Limits,
+) -> Result<Guiding, Failure> {
     if let Some(opened) = opened {
         let guide = to_guide(&opened.file);
         tracing::info!(
@@ -115,7 +120,8 @@ pub fn guiding(args: &GuideArgs, opened: Option<Opened>, view: &View) -> Result<
     if args.guide.unwrap_or(Way::None) == Way::None {
         return Ok(Guiding::default());
     }
-    let settings = overrides::learn_settings(&args.learn, view.settings)?;
+    let photons = overrides::photons_for(&args.learn, view.film, limits);
+    let settings = overrides::learn_settings(&args.learn, view.settings, photons)?;
     if view.scene.lights.is_empty() {
         return Ok(Guiding::default());
     }
@@ -162,7 +168,8 @@ pub fn describe(learner: &Learner) {
 /// # Errors
 /// When there is nothing to learn from.
 pub fn teach(args: &LearnArgs, view: &View) -> Result<Learned, Failure> {
-    let settings = overrides::learn_settings(args, view.settings)?;
+    let photons = overrides::photons_alone(args);
+    let settings = overrides::learn_settings(args, view.settings, photons)?;
     let learned = learn(view, &settings)?;
     tracing::info!(
         "learned from {} photons ({} landings) and {} camera paths in {}: {} links in {} cells, {}",

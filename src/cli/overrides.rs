@@ -10,6 +10,7 @@ use crate::integrate::PathSettings;
 use crate::integrate::learn::LearnSettings;
 use crate::integrate::render::Limits;
 use crate::photon::PhotonSettings;
+use crate::photon::schedule::Budget;
 use crate::scene::Description;
 use crate::scene::description::{RenderDescription, SamplerKind};
 
@@ -134,17 +135,51 @@ pub fn path_settings(args: &LightArgs, scene: &RenderDescription) -> PathSetting
 /// Most scatterings of a photon where paths are unlimited: roulette has ended nearly all by then.
 const UNLIMITED_BOUNCES: u32 = 1000;
 
+/// Photons that a field is learned from where no image says how many it is worth.
+pub const PHOTONS: u64 = 500_000;
+/// Samples a pixel that a render without a limit in samples is taken to have.
+const ENDLESS_SPP: u64 = 256;
+
+/// Photons for a render: as many as are given, or as it is worth.
+pub fn photons_for(args: &LearnArgs, film: &FilmDescription, limits: &Limits) -> Budget {
+    if let Some(photons) = args.photons {
+        return exactly(photons, args.batches);
+    }
+    let pixels = u64::from(film.width) * u64::from(film.height);
+    let spp = match limits.spp {
+        u64::MAX if limits.time.is_none() => ENDLESS_SPP,
+        spp => spp,
+    };
+    Budget::AsNeeded {
+        samples: pixels.saturating_mul(spp),
+        time: limits.time,
+    }
+}
+
+/// Photons for a field without an image.
+pub fn photons_alone(args: &LearnArgs) -> Budget {
+    exactly(args.photons.unwrap_or(PHOTONS), args.batches)
+}
+
+fn exactly(photons: u64, batches: u32) -> Budget {
+    Budget::Exactly { photons, batches }
+}
+
 /// How to learn a field. Photons scatter as often as camera paths can.
 ///
 /// # Errors
 /// When nothing is left to learn from.
-pub fn learn_settings(args: &LearnArgs, path: &PathSettings) -> Result<LearnSettings, Failure> {
+pub fn learn_settings(
+    args: &LearnArgs,
+    path: &PathSettings,
+    photons: Budget,
+) -> Result<LearnSettings, Failure> {
     let (photons, paths) = match args.train {
-        Teachers::Photons => (args.photons, 0),
-        Teachers::Paths => (0, args.paths),
-        Teachers::Both => (args.photons, args.paths),
+        Teachers::Photons => (photons, 0),
+        Teachers::Paths => (exactly(0, args.batches), args.paths),
+        Teachers::Both => (photons, args.paths),
     };
-    if photons == 0 && paths == 0 {
+    if photons.is_none() && paths == 0 {
         let help = "give --photons or --paths a number above 0, or leave them away";
         return Err(Failure::wrong("there is nothing to learn from", help));
     }

@@ -86,7 +86,7 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
         return Ok(());
     };
     let mut guiding = timed(&mut times.train, || {
-        learning::guiding(&args.guide, field, &plain)
+        learning::guiding(&args.guide, field, &plain, &limits)
     })?;
     let photons = guiding
         .learner

@@ -52,7 +52,7 @@ pub struct StudioArgs {
     /// Field of view along the picture's shorter side, degrees [default: the camera's, or 35]
     #[arg(long, value_name = "DEGREES", value_parser = values::field_of_view, help_heading = "Models without a scene")]
     pub fov: Option<f64>,
-    /// Light: studio, white[:R,G,B], sun[:AZIMUTH,ELEVATION] or none [default: studio, if the models bring no light]
+    /// Light: studio, white, white:R,G,B, sun, sun:AZIMUTH,ELEVATION or none [default: studio, if the models bring no light]
     #[arg(long, value_name = "SKY", help_heading = "Models without a scene")]
     pub sky: Option<Sky>,
     /// Image around the scene, latitude by longitude

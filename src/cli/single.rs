@@ -30,6 +30,7 @@ pub fn run(args: &RenderArgs, pixel: [u32; 2]) -> Result<(), Failure> {
     let description = &loaded.description;
     let film = &description.film;
     let settings = overrides::path_settings(&args.light, &description.render);
+    let limits = overrides::limits(&args.stop, &description.render);
     let camera = Camera::new(&description.camera, film.width, film.height);
     let plain = View {
         scene: &scene,
@@ -38,10 +39,9 @@ pub fn run(args: &RenderArgs, pixel: [u32; 2]) -> Result<(), Failure> {
         settings: &settings,
         guide: None,
     };
-    let mut guiding = learning::guiding(&args.guide, field, &plain)?;
+    let mut guiding = learning::guiding(&args.guide, field, &plain, &limits)?;
     let sample = args.doubt.sample;
     if let Some(learner) = &mut guiding.learner {
-        let limits = overrides::limits(&args.stop, &description.render);
         teach_until(&plain, learner, limits.spp, sample);
     }
     let view = View {

@@ -67,7 +67,7 @@ pub fn to_file(
     let all = |n: u64| Numbers::new(0..n, 0..n);
     let ledger = Ledger {
         recipe: recipe(view, settings),
-        photons: all(settings.photons),
+        photons: all(learned.counts.emitted),
         paths: all(settings.paths),
         unrefined: false,
     };

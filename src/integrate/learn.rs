@@ -1,7 +1,6 @@
 //! Learning the field: from photons before rendering, then from camera paths.
 //!
-//! Photons come first, in batches that double: early ones are cheap and shape the trees coarsely, later
-//! ones fill them. Camera paths guided by what is known so far then teach the rest, above all what the
+//! Photons come first, in batches (see [`crate::photon::schedule`]). Camera paths guided by what is known so far then teach the rest, above all what the
 //! camera sees and photons hardly reach. They are samples of the image like any other: whoever renders
 //! hands the [`Lessons`] of its first passes to a [`Learner`] and renders the next pass with what that
 //! has learned ([`super::render`] does). [`learn`] makes paths of its own, for a field without an image.
@@ -18,6 +17,7 @@ use crate::guide::{
     Field, GuideError, ModelKind, Photon, Settings, Source, Stats, SurfacePoint, Trainer,
 };
 use crate::math::{PathSampler, Vec2};
+use crate::photon::schedule::{Budget, Experience, Schedule, doubling};
 use crate::photon::wave::PhotonWave;
 use crate::photon::{Landing, PhotonCounts, PhotonSettings};
 use crate::scene::Scene;
@@ -37,11 +37,12 @@ const ROUNDS: u32 = 4;
 /// How a field is learned.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LearnSettings {
-    /// Photon paths in all; 0 learns from camera paths alone.
-    pub photons: u64,
+    /// Photon paths; none of them learns from camera paths alone.
+    pub photons: Budget,
     /// Camera paths in all; 0 learns from photons alone.
     pub paths: u64,
-    /// Batches they come in; each is twice as large as the one before.
+    /// Batches that paths come in, where they are not those of an image; each is twice as large as the
+    /// one before.
     pub batches: u32,
     /// Most bytes of the trees while they are trained.
     pub memory: u64,
@@ -87,16 +88,22 @@ impl Learner {
         let start = Instant::now();
         let scene = view.scene;
         let mut trainer = prepare(scene, settings)?;
-        if settings.photons > 0 {
+        if !settings.photons.is_none() {
             trainer.set_importance_sample(&importance::met_by_camera(view), importance::PER_CELL);
         }
         let mut counts = PhotonCounts::default();
-        for photons in batches(settings.photons, settings.batches) {
+        let mut schedule = Schedule::new(settings.photons);
+        while let Some(photons) = schedule.next_batch() {
             let emitted = photons.end - photons.start;
             let (landed, batch) = trace_batch(scene, settings, photons);
             counts += batch;
             trainer.train(&landed, emitted);
-            trainer.refine_rounds(ROUNDS);
+            let refined = trainer.refine_rounds(ROUNDS);
+            schedule.learned(Experience {
+                landings: landed.len() as u64,
+                gain: refined.gain,
+                elapsed: start.elapsed(),
+            });
         }
         Ok(Self {
             guide: Guide::new(trainer.freeze()),
@@ -174,7 +181,7 @@ impl Learner {
 pub fn learn(view: &View, settings: &LearnSettings) -> Result<Learned, GuideError> {
     let start = Instant::now();
     let mut learner = Learner::new(view, settings)?;
-    for paths in batches(settings.paths, settings.batches) {
+    for paths in doubling(settings.paths, settings.batches) {
         let count = paths.end - paths.start;
         let lessons = lessons(view, Some(learner.guide()), paths);
         learner.take(&lessons, count);
@@ -195,15 +202,15 @@ fn prepare(scene: &Scene, settings: &LearnSettings) -> Result<Trainer, GuideErro
     guide_settings.memory = settings.memory;
     guide_settings.seed = settings.photon.seed;
     guide_settings.model = settings.model;
-    guide_settings.source = match (settings.photons, settings.paths) {
-        (0, _) => Source::Paths,
+    guide_settings.source = match (settings.photons.is_none(), settings.paths) {
+        (true, _) => Source::Paths,
         (_, 0) => Source::Photons,
         _ => Source::Both,
     };
     // Thin walls, lit from one side, are everywhere in real scenes.
     guide_settings.normal_split = true;
     let mut trainer = Trainer::build(guide_settings)?;
-    if settings.photons == 0 {
+    if settings.photons.is_none() {
         return Ok(trainer);
     }
     let (points, area) = scene.area_points(AREA_POINTS, settings.photon.seed);
@@ -261,16 +268,6 @@ fn training_ray(view: &View, i: u64) -> (CameraRay, PathSampler) {
 
 /// Sets the numbers of training paths apart from the image's.
 const TRAINING: u64 = 0x5851_f42d_4c95_7f2d;
-
-/// Cuts `records` into `count` ranges, each twice as long as the one before; empty ones are left out.
-fn batches(records: u64, count: u32) -> Vec<Range<u64>> {
-    let count = count.clamp(1, 32);
-    let shares = (1u64 << count) - 1;
-    let end =
-        |i: u32| (u128::from(records) * u128::from((1u64 << i) - 1) / u128::from(shares)) as u64;
-    let ranges = (0..count).map(|i| end(i)..end(i + 1));
-    ranges.filter(|r| !r.is_empty()).collect()
-}
 
 /// Traces a batch, in waves side by side whose landings are joined in photon order.
 pub(super) fn trace_batch(

@@ -7,6 +7,7 @@
 //!
 //! Photon `i` of a seed is the same photon whatever the batch, the thread or the machine.
 
+pub mod schedule;
 pub mod wave;
 
 use crate::math::{Rgb, Vec3};

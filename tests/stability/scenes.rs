@@ -11,6 +11,7 @@ use twintree::integrate::guiding::Guide;
 use twintree::integrate::learn::{LearnSettings, learn};
 use twintree::math::{Affine3A, Vec3};
 use twintree::photon::PhotonSettings;
+use twintree::photon::schedule::Budget;
 use twintree::scene::import::{ImportOptions, mitsuba};
 use twintree::texture::TextureStore;
 
@@ -127,7 +128,10 @@ pub fn seed(seed: u64) -> PathSettings {
 /// A field learned from photons and camera paths.
 pub fn field_of(built: &Built) -> Guide {
     let settings = LearnSettings {
-        photons: 60_000,
+        photons: Budget::Exactly {
+            photons: 60_000,
+            batches: 4,
+        },
         paths: 20_000,
         batches: 4,
         memory: 16 << 20,
