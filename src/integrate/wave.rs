@@ -7,6 +7,10 @@ use crate::camera::CameraRay;
 use crate::math::{PathSampler, Rgb, Vec3};
 use crate::scene::Scene;
 
+/// Vertices whose data is brought into the cache at a time: a few times as many as a processor waits for at
+/// once, few enough for the smallest cache.
+const AHEAD: usize = 32;
+
 /// What a path carries from one vertex to the next.
 #[derive(Clone, Copy, Debug)]
 pub struct Path {
@@ -128,6 +132,10 @@ impl Wave {
         self.shadow_rays.clear();
         let mut kept = 0;
         for i in 0..self.paths.len() {
+            if i % AHEAD == 0 {
+                let next = &self.hits[i..(i + AHEAD).min(self.paths.len())];
+                walk.scene.surfaces.touch(next);
+            }
             let path = &mut self.paths[i];
             let outcome = &mut self.outcomes[path.slot as usize];
             let next = vertex::visit(walk, &self.rays[i], &self.hits[i], path, outcome, witness);

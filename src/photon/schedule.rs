@@ -142,22 +142,22 @@ pub fn doubling(records: u64, count: u32) -> Vec<Range<u64>> {
 mod tests {
     use super::*;
 
-    fn photons(budget: Budget, each: impl Fn(u64) -> Experience) -> u64 {
+    fn photons(budget: Budget, each: impl Fn(Range<u64>) -> Experience) -> u64 {
         let mut schedule = Schedule::new(budget);
         let mut end = 0;
         while let Some(batch) = schedule.next_batch() {
             assert_eq!(batch.start, end);
             end = batch.end;
-            schedule.learned(each(batch.end - batch.start));
+            schedule.learned(each(batch));
         }
         end
     }
 
-    fn lands(times: u64, gain: f64) -> impl Fn(u64) -> Experience {
+    fn lands(times: u64, gain: f64) -> impl Fn(Range<u64>) -> Experience {
         move |photons| Experience {
-            landings: photons * times,
+            landings: (photons.end - photons.start) * times,
             gain,
-            elapsed: Duration::from_micros(photons * times),
+            elapsed: Duration::from_micros(photons.end * times),
         }
     }
 
@@ -181,18 +181,18 @@ mod tests {
         };
         // A preview gets one batch; a large image more; less where each photon lands often.
         assert_eq!(of(1000, 5, 1.0), FIRST);
-        assert_eq!(of(6 << 20, 5, 1.0), 1 << 20);
-        assert_eq!(of(6 << 20, 0, 1.0), 4 << 20);
+        assert_eq!(of(6 << 20, 5, 1.0), 63 * FIRST);
+        assert_eq!(of(6 << 20, 0, 1.0), 255 * FIRST);
         // Nothing left to learn, or no end of learning.
         assert_eq!(of(u64::MAX, 1, 0.001), FIRST);
-        assert_eq!(of(u64::MAX, 0, 1.0), MOST);
+        assert_eq!(of(u64::MAX, 0, 1.0), MOST - FIRST);
     }
 
     #[test]
     fn photons_take_a_share_of_the_time() {
         let time = Some(Duration::from_secs(20));
         let samples = u64::MAX;
-        // A microsecond a photon, two seconds in all: the batches before the last take at most one.
+        // A microsecond a photon, two seconds in all, and no batch is begun that would pass them.
         let n = photons(Budget::AsNeeded { samples, time }, lands(1, 1.0));
         assert!((1_000_000..=2_000_000).contains(&n), "{n}");
     }
