@@ -66,7 +66,7 @@ fn look(args: &FieldArgs, scene: &Path, opened: &Opened) -> Result<(), Failure> 
         camera: &Camera::new(&description.camera, film.width, film.height),
         film,
         settings: &settings,
-        guide: Some(&guide),
+        guide: Some((&guide).into()),
     };
     if let Some(path) = &args.tree {
         let (pixels, seen) = cells::seen(&view, &guide.field);

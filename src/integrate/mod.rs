@@ -14,6 +14,7 @@ pub mod extend;
 pub mod guiding;
 pub mod importance;
 pub mod learn;
+pub mod learn_gmm;
 pub mod probe;
 pub mod record;
 pub mod render;

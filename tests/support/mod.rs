@@ -236,7 +236,7 @@ impl Built {
             camera: &self.camera,
             film: &self.film,
             settings,
-            guide,
+            guide: guide.map(Into::into),
         }
     }
 
