@@ -3,6 +3,7 @@
 use super::field_args::{FieldArgs, GuideArgs, MergeFieldsArgs, TrainArgs};
 use super::measure_args::{Bench, CompareArgs};
 use super::part_args::{FarmArgs, MergeArgs, PartArgs};
+use super::table1::args::Table1Args;
 use super::values::{self, Crop, Definition, Depth, Preview};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -50,6 +51,8 @@ pub enum Command {
     Check(CheckArgs),
     /// Say how far images are from a reference
     Compare(CompareArgs),
+    /// Make the table of the method's paper anew: errors, memory and times of guided rendering
+    Table1(Box<Table1Args>),
     /// Measure parts of the program
     #[command(subcommand)]
     Bench(Bench),

@@ -31,6 +31,7 @@ pub mod part_args;
 pub mod preview;
 pub mod progress;
 pub mod render;
+pub mod table1;
 pub mod threads;
 pub mod train;
 pub mod values;
@@ -58,6 +59,7 @@ impl Cli {
             Command::Info(args) => info::run(args),
             Command::Check(args) => check::run(args),
             Command::Compare(args) => compare::run(args),
+            Command::Table1(args) => table1::run(args),
             Command::Bench(what) => bench::run(what),
             Command::Generate(args) => generate::run(args),
         }

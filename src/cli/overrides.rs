@@ -132,7 +132,7 @@ pub fn path_settings(args: &LightArgs, scene: &RenderDescription) -> PathSetting
 }
 
 /// Most scatterings of a photon where paths are unlimited: roulette has ended nearly all by then.
-const UNLIMITED_BOUNCES: u32 = 1000;
+pub const UNLIMITED_BOUNCES: u32 = 1000;
 
 /// How to learn a field. Photons scatter as often as camera paths can.
 ///

@@ -215,7 +215,7 @@ fn lanes(lobes: &[Lobe; LOBES]) -> Lanes {
 /// Statistics to start from: photons chosen as by k-means++ (Arthur and Vassilvitskii 2007), far from each
 /// other and by weight; every photon belongs to the nearest.
 fn seeds(samples: &[Sample], seed: u64) -> Statistics {
-    let mut rng = Pcg32::new(hash64(seed), 0x676d_6d);
+    let mut rng = Pcg32::new(hash64(seed), 0x0067_6d6d);
     let mut distance = vec![1f32; samples.len()];
     let mut owner = vec![0usize; samples.len()];
     for j in 0..LOBES {

@@ -117,7 +117,7 @@ impl Mixtures {
     /// Noise over a box: mixtures that know nothing, at places that mean nothing. For tests that show that no
     /// field can change the mean of an image.
     pub fn random(min: Vec3, max: Vec3, seed: u64) -> Self {
-        let mut rng = Pcg32::new(seed, 0x6d69_78);
+        let mut rng = Pcg32::new(seed, 0x006d_6978);
         let mut next = || rng.next_f32();
         let known = (0..2000).map(|_| {
             let position = min + (max - min) * Vec3::new(next(), next(), next());
