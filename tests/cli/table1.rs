@@ -3,8 +3,14 @@
 use super::support::{Place, read_channels};
 use serde_json::Value;
 
-/// Small enough for a test; light reaches the wall by way of the ball.
+/// Small enough for a test.
 const TINY: &str = "--scene scene.xml --spp 4 --reference-spp 64 --batches 3 --photons 2000";
+
+/// The tests' scene with a ball that reflects light onto the wall: something to learn.
+fn place() -> Place {
+    let ball = r#"<float name="radius" value="0.2"/>"#;
+    Place::replacing(ball, &format!(r#"{ball}<bsdf type="diffuse"/>"#))
+}
 
 fn json(place: &Place, name: &str) -> Value {
     serde_json::from_slice(&place.read(name)).unwrap()
@@ -12,7 +18,7 @@ fn json(place: &Place, name: &str) -> Value {
 
 #[test]
 fn every_method_has_a_row_of_numbers_that_make_sense() {
-    let place = Place::new();
+    let place = place();
     let words = format!("table1 {TINY} --repeats 2 --json t.json -o pictures");
     let ran = place
         .run(&words)
@@ -53,7 +59,7 @@ fn every_method_has_a_row_of_numbers_that_make_sense() {
 
 #[test]
 fn a_reference_is_kept_or_given_and_errors_do_not_depend_on_threads() {
-    let place = Place::new();
+    let place = place();
     let words = format!("table1 {TINY} --repeats 1 --method gmm,double");
     place.run(&format!("{words} --json a.json -j 1")).ok();
     let kept = place.files();
@@ -77,7 +83,7 @@ fn a_reference_is_kept_or_given_and_errors_do_not_depend_on_threads() {
 
 #[test]
 fn what_cannot_be_measured_is_said_before_anything_is_rendered() {
-    let place = Place::new();
+    let place = place();
     place
         .run("table1")
         .fails(2, &["scenes/pool/pool.xml is not here", "--scene FILE"]);
@@ -104,7 +110,7 @@ fn what_cannot_be_measured_is_said_before_anything_is_rendered() {
 
 #[test]
 fn mixtures_guide_a_render_and_keep_its_bits_on_any_number_of_threads() {
-    let place = Place::new();
+    let place = place();
     let words = "render scene.xml --spp 4 --format float --guide gmm --photons 5000 --batches 4";
     place
         .run(&format!("{words} -o a.exr -j 1 --stats a.json"))
@@ -124,7 +130,7 @@ fn mixtures_guide_a_render_and_keep_its_bits_on_any_number_of_threads() {
 
 #[test]
 fn mixtures_refuse_what_they_cannot_do() {
-    let place = Place::new();
+    let place = place();
     let words = "render scene.xml --guide gmm --photons 100 --batches 2";
     place
         .run(&format!("{words} --train paths"))
