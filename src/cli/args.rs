@@ -5,6 +5,7 @@ use super::measure_args::{Bench, CompareArgs};
 use super::part_args::{FarmArgs, MergeArgs, PartArgs};
 use super::scene_args::MakeArgs;
 pub use super::scene_args::SceneArgs;
+use super::table1::args::Table1Args;
 use super::values::{self, Crop, Depth, PixelAt, Preview};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -54,6 +55,8 @@ pub enum Command {
     Make(MakeArgs),
     /// Say how far images are from a reference
     Compare(CompareArgs),
+    /// Make the table of the method's paper anew: errors, memory and times of guided rendering
+    Table1(Box<Table1Args>),
     /// Measure parts of the program
     #[command(subcommand)]
     Bench(Bench),

@@ -28,7 +28,7 @@ pub struct GuideArgs {
 #[derive(Args, Debug)]
 pub struct LearnArgs {
     /// Photon paths that teach the field [default: as many as the image is worth, while they teach
-    /// anything; with "twintree train" 500 000]
+    /// anything; with "twintree train" 500 000; with --guide gmm 9 million]
     #[arg(long, value_name = "N", help_heading = "Guiding")]
     pub photons: Option<u64>,
     /// Camera paths that teach the field; the first samples of a render do
@@ -47,8 +47,8 @@ pub struct LearnArgs {
         help_heading = "Guiding"
     )]
     pub train: Teachers,
-    /// Batches that --photons come in, each twice as large as the one before
-    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=32), help_heading = "Guiding")]
+    /// Batches that --photons come in, each twice as large as the one before; with --guide gmm 30 of one size
+    #[arg(long, value_name = "N", default_value_t = 8, default_value_if("guide", "gmm", "30"), value_parser = clap::value_parser!(u32).range(1..=32), help_heading = "Guiding")]
     pub batches: u32,
     /// Memory for the field while it is learned, such as 64M
     #[arg(long, value_name = "BYTES", default_value = "256M", value_parser = values::bytes, help_heading = "Guiding")]
@@ -208,6 +208,8 @@ pub enum Guide {
     None,
     /// A double hierarchy, learned before rendering
     Double,
+    /// Cached Gaussian mixtures (Vorba et al. 2014), learned from photons before rendering: to compare with
+    Gmm,
 }
 
 /// What describes the directions of a cell.

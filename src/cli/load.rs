@@ -2,6 +2,7 @@
 
 use super::args::{Accel, AccelBuild, PictureArgs, SceneArgs};
 use super::scene_args::{StudioArgs, UpAxis};
+use super::values::Definition;
 use super::{Failure, budget, memory, threads};
 use crate::accel::{Backend, BuildQuality, BuildSettings};
 use crate::report::scene::{TextureTotals, triangles};
@@ -152,7 +153,21 @@ impl Input {
     }
 }
 
+/// Texels that are held where nobody says how many.
+const TEXTURE_MEMORY: usize = 2 << 30;
+
 impl SceneArgs {
+    /// A scene of a name, for commands that take a scene by an option.
+    pub fn of(scene: &Path, define: &[Definition], lenient: bool) -> Self {
+        Self {
+            files: vec![scene.into()],
+            studio: StudioArgs::default(),
+            define: define.to_vec(),
+            lenient,
+            texture_memory: TEXTURE_MEMORY,
+        }
+    }
+
     /// What was asked for, in the words of who asked.
     pub fn title(&self) -> String {
         let words: Vec<_> = self.files.iter().map(|f| f.to_string_lossy()).collect();

@@ -36,6 +36,7 @@ pub mod progress;
 pub mod render;
 pub mod scene_args;
 pub mod single;
+pub mod table1;
 pub mod threads;
 pub mod train;
 pub mod values;
@@ -64,6 +65,7 @@ impl Cli {
             Command::Check(args) => check::run(args),
             Command::Make(args) => make::run(args),
             Command::Compare(args) => compare::run(args),
+            Command::Table1(args) => table1::run(args),
             Command::Bench(what) => bench::run(what),
             Command::Generate(args) => generate::run(args),
         }

@@ -133,7 +133,7 @@ pub fn path_settings(args: &LightArgs, scene: &RenderDescription) -> PathSetting
 }
 
 /// Most scatterings of a photon where paths are unlimited: roulette has ended nearly all by then.
-const UNLIMITED_BOUNCES: u32 = 1000;
+pub const UNLIMITED_BOUNCES: u32 = 1000;
 
 /// Photons that a field is learned from where no image says how many it is worth.
 pub const PHOTONS: u64 = 500_000;

@@ -88,13 +88,11 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
     let mut guiding = timed(&mut times.train, || {
         learning::guiding(&args.guide, field, &plain, &limits)
     })?;
-    let photons = guiding
-        .learner
-        .as_ref()
-        .map_or(Duration::ZERO, Learner::elapsed);
+    let photons = guiding.elapsed();
+    let mut learner = guiding.learner.take();
     let setting = Setting {
         view: View {
-            guide: guiding.kept.as_ref(),
+            guide: guiding.prepared(),
             ..plain
         },
         limits,
@@ -104,10 +102,11 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
             ..before
         },
     };
-    let learner = guiding.learner.as_mut();
+    let learning = learner.as_mut();
     let summary = trace(
-        args, console, &interrupt, &outputs, &setting, learner, &mut film,
+        args, console, &interrupt, &outputs, &setting, learning, &mut film,
     );
+    guiding.learner = learner;
     if let Some(learner) = &guiding.learner {
         learning::describe(learner);
         times.train = learner.elapsed().as_secs_f64();
@@ -115,7 +114,7 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
     let mut stats = measure(args, &scene, &loaded, &film, &summary);
     (stats.triangles, stats.load_seconds) = (triangles, times.load);
     (stats.build_seconds, stats.train_seconds) = (times.build, times.train);
-    stats.field_memory_bytes = guiding.guide().map_or(0, |g| g.field.bytes());
+    stats.field_memory_bytes = guiding.bytes();
     tracing::info!("{}", stats.sentence());
     invalid::warn(&film);
     let done = Done {

@@ -45,7 +45,10 @@ pub fn run(args: &RenderArgs, pixel: [u32; 2]) -> Result<(), Failure> {
         teach_until(&plain, learner, limits.spp, sample);
     }
     let view = View {
-        guide: guiding.guide(),
+        guide: match &guiding.learner {
+            Some(learner) => learner.worthwhile_guide().map(Into::into),
+            None => guiding.prepared(),
+        },
         ..plain
     };
     let traced = trace_sample(&view, pixel, sample);

@@ -230,7 +230,7 @@ fn prepare(scene: &Scene, settings: &LearnSettings) -> Result<Trainer, GuideErro
 pub(super) fn lessons(view: &View, guide: Option<&Guide>, range: Range<u64>) -> Lessons {
     let starts: Vec<u64> = range.clone().step_by(WAVE_PATHS as usize).collect();
     let walk = Walk {
-        guide,
+        guide: guide.map(Into::into),
         ..view.walk()
     };
     let waves: Vec<_> = starts

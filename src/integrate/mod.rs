@@ -15,6 +15,7 @@ pub mod guiding;
 pub mod importance;
 pub mod inspect;
 pub mod learn;
+pub mod learn_gmm;
 pub mod probe;
 pub mod record;
 pub mod render;

@@ -1,7 +1,7 @@
 //! The loop around everything: passes of samples over tiles of the film, until enough.
 
 use super::PathSettings;
-use super::guiding::Guide;
+use super::guiding::Guidance;
 use super::learn::Learner;
 use super::record::Witness;
 use super::teach::teach;
@@ -129,7 +129,7 @@ pub struct View<'a> {
     /// How paths are traced.
     pub settings: &'a PathSettings,
     /// A learned field, to guide by.
-    pub guide: Option<&'a Guide>,
+    pub guide: Option<Guidance<'a>>,
 }
 
 impl<'a> View<'a> {
@@ -171,7 +171,7 @@ pub fn resume(
     }
     let job = Job {
         view: View {
-            guide: learner.map_or(view.guide, |l| l.worthwhile_guide()),
+            guide: learner.map_or(view.guide, |l| l.worthwhile_guide().map(Into::into)),
             ..*view
         },
         ..job

@@ -78,7 +78,7 @@ fn pass(
     stride: u32,
 ) -> Option<Lessons> {
     let walk = Walk {
-        guide: Some(guide),
+        guide: Some(guide.into()),
         ..job.view.walk()
     };
     let tiles: Vec<Option<Lessons>> = film

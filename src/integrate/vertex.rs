@@ -1,7 +1,7 @@
 //! One vertex of a camera path.
 
 use super::PathSettings;
-use super::guiding::{Guide, GuidedVertex, facing, is_guidable};
+use super::guiding::{Guidance, GuidedVertex, facing, is_guidable};
 use super::record::{Departure, Onward, Witness};
 use super::roulette;
 use super::wave::{FirstHit, Outcome, Path};
@@ -51,7 +51,7 @@ pub struct Walk<'a> {
     /// How paths are traced.
     pub settings: &'a PathSettings,
     /// A learned field, to guide by.
-    pub guide: Option<&'a Guide>,
+    pub guide: Option<Guidance<'a>>,
 }
 
 /// Handles what `ray` met: adds emission to `outcome`, samples a light, samples the BSDF (and the field,

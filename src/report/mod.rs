@@ -7,6 +7,7 @@ pub mod names;
 pub mod scene;
 pub mod stats;
 pub mod table;
+pub mod table1;
 pub mod words;
 
 /// Indented JSON with a line's end. Numbers that are not finite become `null`.

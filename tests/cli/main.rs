@@ -15,3 +15,4 @@ mod outputs;
 mod shards;
 mod stopping;
 mod support;
+mod table1;

@@ -8,7 +8,7 @@ use twintree::bsdf::{Material, MaterialId, Materials};
 use twintree::camera::{Camera, CameraDescription, FovAxis, Projection};
 use twintree::film::{Film, FilmDescription, FilmKind, filter::Filter};
 use twintree::integrate::PathSettings;
-use twintree::integrate::guiding::Guide;
+use twintree::integrate::guiding::{Guidance, Guide};
 use twintree::integrate::render::{Limits, Observer, Progress, Summary, View, render};
 use twintree::light::Emitter;
 use twintree::math::{Affine3A, DAffine3, DVec3, Rgb, Vec3};
@@ -218,13 +218,26 @@ impl Built {
         spp: u64,
         guide: Option<&Guide>,
     ) -> (Film, Summary) {
+        self.render_by(settings, spp, guide.map(Into::into))
+    }
+
+    /// The same, guided by any field.
+    pub fn render_by(
+        &self,
+        settings: &PathSettings,
+        spp: u64,
+        guide: Option<Guidance>,
+    ) -> (Film, Summary) {
         let mut film = Film::new(&self.film);
         let limits = Limits {
             spp,
             time: None,
             noise: None,
         };
-        let view = self.view(settings, guide);
+        let view = View {
+            guide,
+            ..self.view(settings, None)
+        };
         let summary = render(&view, &mut film, &limits, &Silent);
         (film, summary)
     }
@@ -236,7 +249,7 @@ impl Built {
             camera: &self.camera,
             film: &self.film,
             settings,
-            guide,
+            guide: guide.map(Into::into),
         }
     }
 

@@ -76,7 +76,7 @@ pub fn sort(words: &[String]) -> Result<Words, Failure> {
     };
     let of_training = |id: &str| train.get_arguments().any(|arg| arg.get_id() == id);
     let guide = matches.get_one::<Guide>("guide").copied();
-    let learns = guide.is_some_and(|g| g != Guide::None) && !matches.contains_id("field");
+    let learns = guide == Some(Guide::Double) && !matches.contains_id("field");
     sorted.train = learns.then(Vec::new);
     for arg in command.get_arguments() {
         let id = arg.get_id().as_str();
