@@ -64,6 +64,7 @@ fn learned(built: &Built, photons: u64, paths: u64) -> Learned {
         paths,
         batches: 6,
         memory: 32 << 20,
+        mixture: None,
         photon,
         model: ModelKind::default(),
     };

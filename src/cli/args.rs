@@ -1,8 +1,9 @@
 //! What can be typed: the single source of parsing and of `--help`.
 
 use super::field_args::{FieldArgs, GuideArgs, MergeFieldsArgs, TrainArgs};
-use super::measure_args::{Bench, CompareArgs};
+use super::measure_args::{Bench, CompareArgs, Quality};
 use super::part_args::{FarmArgs, MergeArgs, PartArgs};
+use super::sweep_args::SweepArgs;
 use super::values::{self, Crop, Definition, Depth, Preview};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -50,6 +51,8 @@ pub enum Command {
     Check(CheckArgs),
     /// Say how far images are from a reference
     Compare(CompareArgs),
+    /// Try settings on a scene against a reference, and report which to use
+    Sweep(SweepArgs),
     /// Measure parts of the program
     #[command(subcommand)]
     Bench(Bench),
@@ -107,6 +110,9 @@ pub struct SceneArgs {
     /// Memory for texels, such as 512M or 2G: what does not fit is read again when needed
     #[arg(long, value_name = "BYTES", default_value = "2G", value_parser = values::bytes, help_heading = "Machine")]
     pub texture_memory: usize,
+    /// Keep textures of 32 bits in 16: half the memory, three digits
+    #[arg(long, help_heading = "Machine")]
+    pub half_textures: bool,
 }
 
 /// Arguments of `twintree info`.
@@ -152,6 +158,22 @@ pub struct RenderArgs {
     /// Files.
     #[command(flatten)]
     pub files: FileArgs,
+    /// Measure the error against this image while rendering, for --stats and the message at the end
+    #[arg(
+        long,
+        value_name = "FILE",
+        conflicts_with = "shard",
+        help_heading = "Output"
+    )]
+    pub reference: Option<PathBuf>,
+    /// Settings for a purpose: when to stop, and how long to learn; options that are given besides win
+    #[arg(
+        long,
+        value_name = "NAME",
+        conflicts_with = "shard",
+        help_heading = "Stop at whichever comes first"
+    )]
+    pub quality: Option<Preset>,
     /// When to stop.
     #[command(flatten)]
     pub stop: StopArgs,
@@ -170,12 +192,42 @@ pub struct RenderArgs {
     /// Guiding.
     #[command(flatten)]
     pub guide: GuideArgs,
-    /// Ray tracer [default: embree, where it was compiled in]
-    #[arg(long, value_name = "NAME", help_heading = "Machine")]
-    pub accel: Option<Accel>,
+    /// Ray tracer.
+    #[command(flatten)]
+    pub rays: RayArgs,
     /// Show the image while it renders, in the viewer tev (tev=host:port if it runs elsewhere)
     #[arg(long, value_name = "tev[=HOST:PORT]", help_heading = "Messages")]
     pub preview: Option<Preview>,
+}
+
+/// What an image is for.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Preset {
+    /// A look at light and frame
+    Draft,
+    /// To show
+    Normal,
+    /// To keep
+    Final,
+}
+
+/// The ray tracer, and how it is built.
+#[derive(Args, Debug)]
+pub struct RayArgs {
+    /// Ray tracer [default: embree, where it was compiled in]
+    #[arg(long, value_name = "NAME", help_heading = "Machine")]
+    pub accel: Option<Accel>,
+    /// How long to build its trees, for how fast rays
+    #[arg(
+        long,
+        value_name = "NAME",
+        default_value = "balanced",
+        help_heading = "Machine"
+    )]
+    pub accel_quality: Quality,
+    /// Let no ray slip through between triangles, for a few per cent of speed
+    #[arg(long, help_heading = "Machine")]
+    pub robust: bool,
 }
 
 /// What is written, and how.

@@ -6,6 +6,7 @@ use super::learning::{self, Opened};
 use super::load::{self, Loaded};
 use super::values::Pixel;
 use super::{Failure, console, output, overrides};
+use crate::accel::BuildSettings;
 use crate::camera::Camera;
 use crate::image::{Format, Image, WriteOptions};
 use crate::integrate::cells;
@@ -90,11 +91,12 @@ fn read(args: &FieldArgs, scene: &Path, opened: &Opened) -> Result<(Loaded, Scen
         define: args.define.clone(),
         lenient: args.lenient,
         texture_memory: TEXTURE_MEMORY,
+        half_textures: false,
     })?;
     let (width, height) = (args.size.width, args.size.height);
     overrides::resize(&mut loaded.description.film, width, height);
     opened.check(loaded.fingerprint()?, args.any_scene)?;
-    let scene = learning::build(None, &mut loaded)?;
+    let scene = learning::build(None, BuildSettings::default(), &mut loaded)?;
     Ok((loaded, scene))
 }
 

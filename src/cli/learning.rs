@@ -105,7 +105,7 @@ impl Guiding {
 /// When there is nothing to learn from.
 pub fn guiding(args: &GuideArgs, opened: Option<Opened>, view: &View) -> Result<Guiding, Failure> {
     if let Some(opened) = opened {
-        let guide = to_guide(&opened.file);
+        let guide = to_guide(&opened.file).with_mixture(args.mixture.0);
         tracing::info!(
             "guided by {}: {}, {}",
             opened.path.display(),
@@ -120,7 +120,8 @@ pub fn guiding(args: &GuideArgs, opened: Option<Opened>, view: &View) -> Result<
     if args.guide.unwrap_or(Way::None) == Way::None {
         return Ok(Guiding::default());
     }
-    let settings = overrides::learn_settings(&args.learn, view.settings)?;
+    let mut settings = overrides::learn_settings(&args.learn, view.settings)?;
+    settings.mixture = args.mixture.0;
     if view.scene.lights.is_empty() {
         tracing::warn!("nothing shines: there is nothing to learn");
         return Ok(Guiding::default());
@@ -226,7 +227,11 @@ pub fn write(path: &Path, file: &FieldFile) -> Result<(), Failure> {
 ///
 /// # Errors
 /// When the scene cannot be used, or memory runs out.
-pub fn build(accel: Option<Accel>, loaded: &mut Loaded) -> Result<Scene, Failure> {
+pub fn build(
+    accel: Option<Accel>,
+    settings: BuildSettings,
+    loaded: &mut Loaded,
+) -> Result<Scene, Failure> {
     let start = Instant::now();
     let backend = match accel {
         None => Backend::default(),
@@ -235,7 +240,7 @@ pub fn build(accel: Option<Accel>, loaded: &mut Loaded) -> Result<Scene, Failure
     };
     let settings = BuildSettings {
         threads: threads::count(),
-        ..BuildSettings::default()
+        ..settings
     };
     let scene = Scene::build(&mut loaded.description, settings, backend)?;
     tracing::debug!(

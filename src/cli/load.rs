@@ -40,7 +40,7 @@ impl Loaded {
 /// # Errors
 /// When the scene, or a file that it names, cannot be used.
 pub fn load(args: &SceneArgs) -> Result<Loaded, Failure> {
-    let textures = Arc::new(TextureStore::new(args.texture_memory));
+    let textures = Arc::new(TextureStore::new(args.texture_memory).in_halves(args.half_textures));
     let mut options = ImportOptions::new(textures.clone());
     options.lenient = args.lenient;
     options.defines = args

@@ -10,6 +10,11 @@ pub fn available_bytes() -> Option<u64> {
     kilobytes_of("/proc/meminfo", "MemAvailable:")
 }
 
+/// Memory of the machine, bytes.
+pub fn total_bytes() -> Option<u64> {
+    kilobytes_of("/proc/meminfo", "MemTotal:")
+}
+
 fn kilobytes_of(file: &str, key: &str) -> Option<u64> {
     let text = std::fs::read_to_string(file).ok()?;
     let line = text.lines().find_map(|l| l.strip_prefix(key))?;

@@ -10,6 +10,7 @@ pub mod check;
 pub mod checkpoint;
 pub mod compare;
 pub mod console;
+pub mod error_track;
 pub mod failure;
 pub mod farm;
 pub mod field;
@@ -30,7 +31,10 @@ pub mod overrides;
 pub mod part_args;
 pub mod preview;
 pub mod progress;
+pub mod quality;
 pub mod render;
+pub mod sweep;
+pub mod sweep_args;
 pub mod threads;
 pub mod train;
 pub mod values;
@@ -58,6 +62,7 @@ impl Cli {
             Command::Info(args) => info::run(args),
             Command::Check(args) => check::run(args),
             Command::Compare(args) => compare::run(args),
+            Command::Sweep(args) => sweep::run(args, &self.talk, self.threads),
             Command::Bench(what) => bench::run(what),
             Command::Generate(args) => generate::run(args),
         }

@@ -3,6 +3,7 @@
 use super::field_args::TrainArgs;
 use super::learning::{self, Opened};
 use super::{Failure, load, output, overrides};
+use crate::accel::BuildSettings;
 use crate::camera::Camera;
 use crate::integrate::extend::{More, extend, to_file};
 use crate::integrate::render::View;
@@ -27,7 +28,7 @@ pub fn run(args: &TrainArgs) -> Result<(), Failure> {
     if let Some(base) = &base {
         base.check(fingerprint, false)?;
     }
-    let scene = learning::build(args.accel, &mut loaded)?;
+    let scene = learning::build(args.accel, BuildSettings::default(), &mut loaded)?;
     if scene.lights.is_empty() {
         let help = "add an emitter to the scene";
         let message = "nothing shines: there is nothing to learn";

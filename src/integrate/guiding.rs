@@ -55,6 +55,18 @@ impl Guide {
         Self { field, fractions }
     }
 
+    /// The same, drawing from the field with this probability everywhere, if one is given.
+    pub fn with_mixture(self, share: Option<f32>) -> Self {
+        let fractions = match share {
+            Some(share) => Fractions::fixed(&self.field, share),
+            None => self.fractions,
+        };
+        Self {
+            fractions,
+            field: self.field,
+        }
+    }
+
     /// What the field says at a vertex, or nothing where it should not be asked: no smooth lobe, a
     /// lobe too narrow, no light known.
     #[inline]
