@@ -62,7 +62,7 @@ impl Cli {
             Command::Info(args) => info::run(args),
             Command::Check(args) => check::run(args),
             Command::Compare(args) => compare::run(args),
-            Command::Sweep(args) => sweep::run(args, &self.talk, self.threads),
+            Command::Sweep(args) => sweep::run(args, self.threads),
             Command::Bench(what) => bench::run(what),
             Command::Generate(args) => generate::run(args),
         }

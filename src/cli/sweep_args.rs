@@ -2,7 +2,7 @@
 
 use super::args::SceneArgs;
 use super::values;
-use clap::Args;
+use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -30,8 +30,11 @@ pub struct SweepArgs {
     /// Time of rendering of each run [default: what the budget allows]
     #[arg(long, value_name = "TIME", value_parser = values::duration)]
     pub time: Option<Duration>,
-    /// Try what this file says instead: JSON with "base", "knobs" and "combinations"; "--dry-run --plan"
-    /// with a new file shows what would be run
+    /// Time that curves and advice go by
+    #[arg(long, value_name = "NAME", default_value = "wall")]
+    pub clock: ClockBy,
+    /// Try what this file says instead: JSON with "base", "knobs" and "combinations"; --dry-run shows
+    /// what that comes to
     #[arg(long, value_name = "FILE")]
     pub plan: Option<PathBuf>,
     /// Print the commands and run nothing
@@ -40,4 +43,13 @@ pub struct SweepArgs {
     /// Options of "twintree render" for every run, such as --max-depth 8
     #[arg(last = true, allow_hyphen_values = true, value_name = "OPTIONS")]
     pub render: Vec<String>,
+}
+
+/// Which time counts.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ClockBy {
+    /// What one waits
+    Wall,
+    /// What processors spent, over the threads: on a machine that is busy with other things
+    Processors,
 }

@@ -13,3 +13,4 @@ mod outputs;
 mod shards;
 mod stopping;
 mod support;
+mod sweeping;

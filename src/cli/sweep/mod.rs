@@ -12,26 +12,26 @@ mod state;
 
 use self::child::Outcome;
 use self::plan::SceneTraits;
-use super::args::TalkArgs;
 use super::interrupt::Interrupt;
-use super::sweep_args::SweepArgs;
+use super::sweep_args::{ClockBy, SweepArgs};
 use super::{Failure, console, load, output};
 use crate::image::Image;
 use crate::report::sweep::analysis::Findings;
 use crate::report::sweep::pictures::Pictures;
-use crate::report::sweep::{Configuration, Reference, Run, Setting, Sweep};
+use crate::report::sweep::{Clock, Configuration, Reference, Run, Setting, Sweep};
 use crate::report::words;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// Seeds of the rounds follow this one: references are rendered with small ones.
 const SEEDS: u64 = 1000;
+/// A run is this many times as long as learning.
+const LEARNING: f64 = 3.0;
 /// The shortest run: below it starting the program is all there is to measure.
 const SHORTEST: f64 = 0.1;
 
 /// What a sweep is about, beside its runs.
 struct Subject {
-    scene: PathBuf,
     fingerprint: u64,
     size: (u32, u32),
     exposure: f32,
@@ -43,7 +43,7 @@ struct Subject {
 ///
 /// # Errors
 /// When scene, reference or plan cannot be used, the report cannot be written, or after an interrupt.
-pub fn run(args: &SweepArgs, talk: &TalkArgs, threads: Option<u16>) -> Result<(), Failure> {
+pub fn run(args: &SweepArgs, threads: Option<u16>) -> Result<(), Failure> {
     let start = Instant::now();
     let interrupt = Interrupt::listen(false)?;
     let subject = Subject::load(args)?;
@@ -51,7 +51,7 @@ pub fn run(args: &SweepArgs, talk: &TalkArgs, threads: Option<u16>) -> Result<()
         Some(path) => plan::read(path)?,
         None => plan::built_in(subject.traits),
     };
-    let common = common_words(args, &subject, talk, threads);
+    let common = common_words(args, &subject, threads);
     plan::check(&configurations, &common)?;
     let setting = Setting {
         version: env!("CARGO_PKG_VERSION").into(),
@@ -59,6 +59,10 @@ pub fn run(args: &SweepArgs, talk: &TalkArgs, threads: Option<u16>) -> Result<()
         scene_fingerprint: format!("{:016x}", subject.fingerprint),
         reference: reference(args, &subject)?,
         common,
+        clock: match args.clock {
+            ClockBy::Wall => Clock::Wall,
+            ClockBy::Processors => Clock::Processors,
+        },
         seconds: args.time.map_or(0.0, |t| t.as_secs_f64()),
         rounds: args.rounds,
         configurations,
@@ -97,7 +101,6 @@ impl Subject {
         let loaded = load::load(&args.scene)?;
         let film = &loaded.description.film;
         Ok(Self {
-            scene: args.scene.scene.clone(),
             fingerprint: loaded.fingerprint()?,
             size: (film.width, film.height),
             exposure: film.exposure,
@@ -130,12 +133,7 @@ fn reference(args: &SweepArgs, subject: &Subject) -> Result<Reference, Failure> 
 }
 
 /// The words of every run. The reference decides about the size, unless the command line does.
-fn common_words(
-    args: &SweepArgs,
-    subject: &Subject,
-    talk: &TalkArgs,
-    threads: Option<u16>,
-) -> Vec<String> {
+fn common_words(args: &SweepArgs, subject: &Subject, threads: Option<u16>) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
     for definition in &args.scene.define {
         words.push("-D".into());
@@ -160,8 +158,7 @@ fn common_words(
     if let Some(threads) = threads {
         words.extend(["--threads".into(), threads.to_string()]);
     }
-    // A child's messages are read only where it fails.
-    let _ = talk;
+    // Messages are read only where a run fails.
     words.push("--quiet".into());
     words
 }
@@ -187,13 +184,10 @@ fn begin(mut setting: Setting, args: &SweepArgs, interrupt: &Interrupt) -> Resul
             return Err(Failure::Wrong(message));
         }
     };
-    let overhead = (start.elapsed().as_secs_f64() - rendered).max(0.0);
     if args.time.is_none() {
-        let runs = setting.configurations.len() as f64 * f64::from(setting.rounds);
+        let overhead = (start.elapsed().as_secs_f64() - rendered).max(0.0);
         let left = args.budget.as_secs_f64() - start.elapsed().as_secs_f64();
-        // Rounded, for it stands in every command.
-        let seconds = (left / runs - overhead).max(SHORTEST);
-        setting.seconds = (seconds * 100.0).floor() / 100.0;
+        setting.seconds = seconds_each(&setting, left, (overhead, rendered));
     }
     Ok(Sweep {
         setting,
@@ -201,6 +195,27 @@ fn begin(mut setting: Setting, args: &SweepArgs, interrupt: &Interrupt) -> Resul
         machine: machine::ask(),
         runs: Vec::new(),
     })
+}
+
+/// Seconds of rendering that each run gets. What the first run did not spend on samples is learning: a run
+/// that has no time for anything else says nothing about what was learned, so that a short budget makes
+/// fewer runs and no shorter ones.
+fn seconds_each(setting: &Setting, budget: f64, (overhead, learning): (f64, f64)) -> f64 {
+    let runs = setting.configurations.len() as f64 * f64::from(setting.rounds);
+    let least = (LEARNING * learning).max(SHORTEST);
+    let seconds = (budget / runs - overhead).max(least);
+    let needed = runs * (least + overhead);
+    if needed > budget {
+        tracing::warn!(
+            "the budget is for {:.0} of the {runs} runs: learning alone takes {}. All of them take {} or \
+             more, in one go or in several; --rounds or --plan make fewer",
+            (budget / (least + overhead)).floor(),
+            words::time(learning),
+            words::time(needed),
+        );
+    }
+    // Rounded, for it stands in every command.
+    (seconds * 100.0).ceil() / 100.0
 }
 
 /// Makes the runs that are missing. Says whether all are there.
@@ -331,7 +346,7 @@ fn write_page(sweep: &Sweep, args: &SweepArgs, subject: &Subject) -> Result<(), 
     }
     let image = |name: &str| -> Option<Image> {
         let path = args.output.join("runs").join(format!("{name}.exr"));
-        crate::image::read_linear(Path::new(&path)).ok()
+        crate::image::read_linear(&path).ok()
     };
     let pictures = Pictures::of(
         sweep,
@@ -346,6 +361,5 @@ fn write_page(sweep: &Sweep, args: &SweepArgs, subject: &Subject) -> Result<(), 
     output::write_text(&args.output.join("report.json"), &sweep.to_json(&findings))?;
     tracing::info!("wrote {}", path.display());
     console::print_result(&(crate::report::sweep::page::conclusion(sweep, &findings) + "\n"))?;
-    let _ = &subject.scene;
     Ok(())
 }

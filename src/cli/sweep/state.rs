@@ -55,6 +55,8 @@ fn differences(there: &Setting, here: &Setting) -> Vec<String> {
         &there.common.join(" "),
         &here.common.join(" "),
     );
+    let clock = |of: &Setting| format!("{:?}", of.clock).to_lowercase();
+    compare("--clock", &clock(there), &clock(here));
     compare(
         "--rounds",
         &there.rounds.to_string(),

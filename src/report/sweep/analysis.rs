@@ -39,7 +39,7 @@ pub struct Finding {
     pub failures: usize,
     /// Error over time.
     pub curve: Curve,
-    /// relMSE without the worst 0.1 % of the pixels, at the common time.
+    /// relMSE without the worst 0.1 % of the pixels, at the common time or after learning, if that is later.
     pub error: f64,
     /// The smallest and the largest of its runs.
     pub error_range: [f64; 2],
@@ -89,7 +89,9 @@ impl Findings {
     /// Concludes.
     pub fn of(sweep: &Sweep) -> Self {
         let all = sweep.runs.iter().filter_map(|r| r.stats.as_ref());
-        let ends = all.clone().filter_map(|s| Some(Curve::of(s).end()?[0]));
+        let ends = all
+            .clone()
+            .filter_map(|s| Some(Curve::of(s, sweep.setting.clock).end()?[0]));
         let seconds = ends.fold(f64::INFINITY, f64::min);
         let configurations: Vec<Finding> = sweep
             .setting
@@ -116,8 +118,11 @@ impl Findings {
 
 fn finding(sweep: &Sweep, name: &str, seconds: f64) -> Option<Finding> {
     let runs: Vec<_> = sweep.runs_of(name).collect();
-    let curves: Vec<Curve> = runs.iter().map(|(_, s)| Curve::of(s)).collect();
-    let errors: Vec<f64> = curves.iter().filter_map(|c| c.at(seconds)).collect();
+    let curves: Vec<Curve> = runs
+        .iter()
+        .map(|(_, s)| Curve::of(s, sweep.setting.clock))
+        .collect();
+    let errors: Vec<f64> = curves.iter().filter_map(|c| c.expected(seconds)).collect();
     let middle = |of: &dyn Fn(&super::RunStats) -> f64| {
         let mut values: Vec<f64> = runs.iter().map(|(_, s)| of(s)).collect();
         values.sort_unstable_by(f64::total_cmp);
@@ -149,12 +154,18 @@ fn finding(sweep: &Sweep, name: &str, seconds: f64) -> Option<Finding> {
 /// Compares the runs of a configuration with the first one's of the same rounds.
 fn speed(sweep: &Sweep, name: &str, seconds: f64) -> Option<Speed> {
     let first = &sweep.setting.configurations.first()?.name;
-    let error_in = |name: &str, round: u32| {
+    let curve_of = |name: &str, round: u32| {
         let mut runs = sweep.runs_of(name);
         let (_, stats) = runs.find(|(run, _)| run.round == round)?;
-        Curve::of(stats).at(seconds)
+        let curve = Curve::of(stats, sweep.setting.clock);
+        Some((curve.0.first()?[0], curve))
     };
-    let ratio = |round: u32| Some(error_in(first, round)? / error_in(name, round)?);
+    let ratio = |round: u32| {
+        let ((a, first), (b, own)) = (curve_of(first, round)?, curve_of(name, round)?);
+        // Who still learns at the common time is compared when it has learned.
+        let seconds = seconds.max(a).max(b);
+        Some(first.expected(seconds)? / own.expected(seconds)?)
+    };
     let ratios: Vec<f64> = (0..sweep.setting.rounds).filter_map(ratio).collect();
     let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);
     let most = ratios.iter().copied().fold(0.0, f64::max);

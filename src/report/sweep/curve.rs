@@ -2,7 +2,7 @@
 //!
 //! Between two points an error falls along a power of the time: a straight line on log axes.
 
-use super::RunStats;
+use super::{Clock, RunStats};
 use serde::Serialize;
 
 /// The error over time: seconds and relMSE without the worst 0.1 % of the pixels, times growing.
@@ -17,9 +17,16 @@ const DENSITY: f64 = 16.0;
 
 impl Curve {
     /// Of one run. Points without time or error, which log axes have no place for, are left out.
-    pub fn of(stats: &RunStats) -> Self {
+    pub fn of(stats: &RunStats, clock: Clock) -> Self {
         let points = stats.errors.iter();
-        let points = points.map(|p| [stats.build_seconds + p.seconds, p.relmse_trimmed]);
+        let threads = stats.threads.max(1) as f64;
+        let points = points.map(|p| {
+            let seconds = match (clock, p.cpu_seconds) {
+                (Clock::Processors, Some(spent)) => spent / threads,
+                _ => p.seconds,
+            };
+            [stats.build_seconds + seconds, p.relmse_trimmed]
+        });
         let mut curve = Self::default();
         for [seconds, error] in points {
             let later = curve.end().is_none_or(|[t, _]| seconds > t);
@@ -47,8 +54,16 @@ impl Curve {
         Some(left[1] * (right[1] / left[1]).powf(along))
     }
 
+    /// The error at a time, or where the curve begins if that is later; beyond its end it is assumed to
+    /// halve as time doubles, as the error of independent samples does.
+    pub fn expected(&self, seconds: f64) -> Option<f64> {
+        let (start, end) = (self.0.first()?, self.end()?);
+        let seconds = seconds.max(start[0]);
+        self.at(seconds).or(Some(end[1] * end[0] / seconds))
+    }
+
     /// The time at which the error has come down to `goal` for good, and whether that was measured:
-    /// beyond the end it is assumed to halve as time doubles, as the error of independent samples does.
+    /// beyond the end it is expected as [`Curve::expected`] does.
     pub fn time_to(&self, goal: f64) -> Option<(f64, bool)> {
         let end = self.end()?;
         if end[1] > goal {

@@ -52,12 +52,26 @@ pub struct Setting {
     pub reference: Reference,
     /// Words of every run, between the scene and the options of the configuration.
     pub common: Vec<String>,
+    /// Which clock the curves go by.
+    pub clock: Clock,
     /// Seconds that each run renders.
     pub seconds: f64,
     /// Runs of each configuration.
     pub rounds: u32,
     /// What is tried; the first is what the others are compared with.
     pub configurations: Vec<Configuration>,
+}
+
+/// Which time curves show.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Clock {
+    /// That of the wall: what one waits.
+    #[default]
+    Wall,
+    /// That which the processors spent on a run, over its threads: what one would wait at the least if
+    /// nothing else ran. It favours work that only some of the threads take part in.
+    Processors,
 }
 
 /// The image that errors are measured against.

@@ -1,11 +1,11 @@
 //! `index.html`: the template beside this file, filled in. One file, which needs no network and no other
 //! file beside it.
 
-use super::Sweep;
 use super::analysis::Findings;
 use super::html::{escape, table};
 use super::pictures::{Picture, Pictures};
 use super::sections;
+use super::{Clock, Sweep};
 use crate::report::table::number;
 use crate::report::words;
 
@@ -110,10 +110,17 @@ fn caveats(sweep: &Sweep, findings: &Findings) -> String {
     if findings.configurations.iter().all(|f| f.runs < 2) {
         list.push("Every configuration ran once: no difference can be called clear.".into());
     }
-    if let Some(share) = findings.processor_share.filter(|s| *s < 0.8) {
+    if sweep.setting.clock == Clock::Processors {
+        list.push(
+            "Times are what the processors spent, divided by the threads: what one would wait at the least \
+             if nothing else ran."
+                .into(),
+        );
+    } else if let Some(share) = findings.processor_share.filter(|s| *s < 0.8) {
         list.push(format!(
             "The machine was busy with other things: one of the runs got {:.0} % of the processors. \
-             Runs of a round stand close together, so that comparisons suffer less than times.",
+             Runs of a round stand close together, so that comparisons suffer less than times; \
+             --clock processors goes by what the processors spent.",
             100.0 * share
         ));
     }
@@ -146,8 +153,10 @@ fn caveats(sweep: &Sweep, findings: &Findings) -> String {
 
 fn image(picture: &Picture, data: &str, alt: &str, id: &str) -> String {
     let (width, height) = picture.size;
+    // Few pixels are drawn large, and are to be seen as they are.
+    let class = if width < 320 { "small" } else { "large" };
     format!(
-        "<img id=\"{id}\" src=\"{data}\" width=\"{width}\" height=\"{height}\" alt=\"{}\">",
+        "<img class=\"{class}\" id=\"{id}\" src=\"{data}\" width=\"{width}\" height=\"{height}\" alt=\"{}\">",
         escape(alt)
     )
 }

@@ -71,6 +71,7 @@ fn sweep(list: &[(&str, &[Option<f64>])]) -> Sweep {
                 relmse: Some(1e-4),
             },
             common: Vec::new(),
+            clock: Clock::Wall,
             seconds: 6.4,
             rounds: 3,
             configurations: configurations.collect(),
@@ -83,7 +84,7 @@ fn sweep(list: &[(&str, &[Option<f64>])]) -> Sweep {
 
 #[test]
 fn curves_are_straight_between_points_on_log_axes() {
-    let curve = Curve::of(&stats(1.0, 0.0));
+    let curve = Curve::of(&stats(1.0, 0.0), Clock::Wall);
     for t in [0.1, 0.137, 1.0, 6.0, 6.4] {
         assert!((curve.at(t).unwrap() * t - 1.0).abs() < 1e-9, "{t}");
     }
@@ -104,8 +105,13 @@ fn the_time_to_an_error_is_that_after_which_it_stays_below() {
 
 #[test]
 fn building_counts_and_reading_does_not() {
-    let curve = Curve::of(&stats(1.0, 2.0));
+    let curve = Curve::of(&stats(1.0, 2.0), Clock::Wall);
     assert_eq!(curve.0[0], [2.1, 1.0 / 2.1]);
+    // Two threads, and twice the processor time in the points.
+    let mut busy = stats(1.0, 0.0);
+    busy.threads = 4;
+    let curve = Curve::of(&busy, Clock::Processors);
+    assert!((curve.0[0][0] - 0.05).abs() < 1e-12);
 }
 
 #[test]
