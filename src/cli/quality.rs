@@ -22,8 +22,8 @@ const fn settings(preset: Preset) -> Settings {
     match preset {
         Preset::Draft => Settings {
             noise: 0.25,
-            spp: 64,
-            guide: Guide::None,
+            spp: 256,
+            guide: Guide::Double,
             photons: 100_000,
             paths: 500_000,
         },

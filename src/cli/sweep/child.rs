@@ -1,6 +1,7 @@
 //! One run: the same program, started anew, so that a crash is one run that failed, and the command in the
 //! report is the one that ran.
 
+use crate::cli::failure::INTERRUPTED;
 use crate::cli::farm::quote;
 use crate::cli::interrupt::Interrupt;
 use crate::report::sweep::RunStats;
@@ -57,6 +58,10 @@ pub fn run(words: &[String], stats: &Path, longest: Duration, interrupt: &Interr
         }
         Ended::Interrupted => return Outcome::Interrupted,
     };
+    // The terminal's Ctrl-C reaches the run as well, and perhaps before us.
+    if status.code() == Some(i32::from(INTERRUPTED)) {
+        return Outcome::Interrupted;
+    }
     if !status.success() {
         let last = messages.trim().lines().next_back().unwrap_or("no message");
         return Outcome::Failed(format!("{status}: {last}"));

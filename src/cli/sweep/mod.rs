@@ -85,15 +85,16 @@ pub fn run(args: &SweepArgs, threads: Option<u16>) -> Result<(), Failure> {
     };
     sweep.command = child::typed(&std::env::args().skip(1).collect::<Vec<_>>());
     sweep.machine = machine::ask();
-    let complete = go_through(&mut sweep, args, &interrupt, start + args.budget)?;
+    let ended = go_through(&mut sweep, args, &interrupt, start + args.budget)?;
     write_page(&sweep, args, &subject)?;
-    if interrupt.requested() {
-        return Err(Failure::Interrupted);
+    match ended {
+        Ended::Complete => Ok(()),
+        Ended::Interrupted => Err(Failure::Interrupted),
+        Ended::BudgetSpent => {
+            tracing::info!("the budget is spent: the same command goes on");
+            Ok(())
+        }
     }
-    if !complete {
-        tracing::info!("the budget is spent: the same command goes on");
-    }
-    Ok(())
 }
 
 impl Subject {
@@ -218,13 +219,20 @@ fn seconds_each(setting: &Setting, budget: f64, (overhead, learning): (f64, f64)
     (seconds * 100.0).ceil() / 100.0
 }
 
-/// Makes the runs that are missing. Says whether all are there.
+/// Why no more runs are made.
+enum Ended {
+    Complete,
+    BudgetSpent,
+    Interrupted,
+}
+
+/// Makes the runs that are missing.
 fn go_through(
     sweep: &mut Sweep,
     args: &SweepArgs,
     interrupt: &Interrupt,
     deadline: Instant,
-) -> Result<bool, Failure> {
+) -> Result<Ended, Failure> {
     let setting = sweep.setting.clone();
     let total = setting.configurations.len() * setting.rounds as usize;
     let (count, each) = (setting.configurations.len(), words::time(setting.seconds));
@@ -234,6 +242,7 @@ fn go_through(
         sweep.runs.len()
     );
     let longest = Duration::from_secs_f64(60.0 + 10.0 * setting.seconds);
+    let mut made = 0;
     for round in 0..setting.rounds {
         for configuration in order(&setting.configurations, round) {
             if sweep.has(&configuration.name, round) {
@@ -241,20 +250,21 @@ fn go_through(
             }
             let runs_out = Instant::now() + Duration::from_secs_f64(setting.seconds) > deadline;
             // One run at least, so that every start gets further.
-            if runs_out && !sweep.runs.is_empty() {
-                return Ok(false);
+            if runs_out && made > 0 {
+                return Ok(Ended::BudgetSpent);
             }
             let words = words_of(&setting, args, configuration, round);
             let start = Instant::now();
             let stats = file(args, configuration, "json");
             let (stats, failure) = match child::run(&words, &stats, longest, interrupt) {
-                Outcome::Interrupted => return Ok(false),
+                Outcome::Interrupted => return Ok(Ended::Interrupted),
                 Outcome::Measured(stats) => (Some(*stats), None),
                 Outcome::Failed(why) => {
                     tracing::warn!("{}: {why}", configuration.name);
                     (None, Some(why))
                 }
             };
+            made += 1;
             sweep.runs.push(Run {
                 configuration: configuration.name.clone(),
                 round,
@@ -267,7 +277,7 @@ fn go_through(
             say(sweep, total);
         }
     }
-    Ok(true)
+    Ok(Ended::Complete)
 }
 
 fn say(sweep: &Sweep, total: usize) {

@@ -77,29 +77,26 @@ impl Curve {
         Some((a[0] * (b[0] / a[0]).powf(along), true))
     }
 
-    /// The median of curves, where all of them have a value.
+    /// The median of curves, from where all have begun to where the first ends; a single point where one
+    /// ends before another begins.
     pub fn median(curves: &[Curve]) -> Self {
         let starts = curves.iter().filter_map(|c| Some(c.0.first()?[0]));
         let ends = curves.iter().filter_map(|c| Some(c.end()?[0]));
-        let (from, to) = (
-            starts.fold(0.0, f64::max),
-            ends.fold(f64::INFINITY, f64::min),
-        );
-        if from <= 0.0 || !to.is_finite() || from > to {
+        let from = starts.fold(0.0, f64::max);
+        let to = ends.fold(f64::INFINITY, f64::min).max(from);
+        if from <= 0.0 || !to.is_finite() {
             return Self::default();
         }
-        let steps = ((to / from).log10() * DENSITY).ceil().max(1.0);
+        let steps = ((to / from).log10() * DENSITY).ceil();
         let times = (0..=steps as usize).map(|i| match i as f64 {
             last if last == steps => to,
             i => from * (to / from).powf(i / steps),
         });
         let point = |t: f64| {
-            let errors = curves.iter().filter_map(|c| c.at(t)).collect();
+            let errors = curves.iter().filter_map(|c| c.expected(t)).collect();
             Some([t, median(errors)?])
         };
-        let mut points: Vec<_> = times.filter_map(point).collect();
-        points.dedup_by(|b, a| b[0] <= a[0]);
-        Self(points)
+        Self(times.filter_map(point).collect())
     }
 }
 

@@ -17,6 +17,8 @@ const TEXT: RGBColor = named(1);
 const AXIS: RGBColor = named(2);
 /// Lines of the grid.
 const GRID: RGBColor = named(3);
+/// More labels on an axis would stand in each other's way.
+const MOST_LABELS: usize = 7;
 /// What stays in the background.
 pub const FAINT: RGBColor = named(4);
 /// What others are compared with.
@@ -82,13 +84,14 @@ fn draw(
         .margin_right(14)
         .x_label_area_size(40)
         .y_label_area_size(62)
-        .build_cartesian_2d((x.0..x.1).log_scale(), (y.0..y.1).log_scale())?;
+        .build_cartesian_2d(
+            (x.0..x.1).log_scale().with_key_points(labels(x)),
+            (y.0..y.1).log_scale().with_key_points(labels(y)),
+        )?;
     chart
         .configure_mesh()
         .x_desc("seconds")
         .y_desc("relMSE")
-        .x_labels(size.0 as usize / 90)
-        .y_labels(6)
         .x_label_formatter(&|x| short(*x))
         .y_label_formatter(&|y| short(*y))
         .label_style(font(14))
@@ -108,6 +111,22 @@ fn draw(
     }
     root.present()?;
     Ok(())
+}
+
+/// Where a logarithmic axis has labels: at 1, 2 and 5 times the powers of ten, or at these alone.
+fn labels(range: Range) -> Vec<f64> {
+    let powers = range.0.log10().floor() as i32..=range.1.log10().ceil() as i32;
+    let of = |steps: &[f64]| {
+        let all = powers.clone().map(|p| 10f64.powi(p));
+        let all = all.flat_map(|p| steps.iter().map(move |s| s * p));
+        let inside = all.filter(|x| (range.0..=range.1).contains(x));
+        inside.collect::<Vec<f64>>()
+    };
+    let many = of(&[1.0, 2.0, 5.0]);
+    if many.len() > MOST_LABELS {
+        return of(&[1.0]);
+    }
+    many
 }
 
 /// A number on an axis: `0.05`, `20`, `1e-5`.

@@ -66,7 +66,8 @@ fn line(points: &[[f64; 2]], color: RGBColor, width: u32) -> Line<'_> {
         points,
         color,
         width,
-        dots: false,
+        // A line of one point is not seen.
+        dots: points.len() < 3,
     }
 }
 

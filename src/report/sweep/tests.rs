@@ -125,6 +125,9 @@ fn the_median_of_curves_is_taken_where_all_are_known() {
         assert!((e * t - 128f64.sqrt()).abs() < 1e-9, "{t} {e}");
     }
     assert_eq!(Curve::median(&[]), Curve::default());
+    // One ends before the other begins: what it would have come to counts.
+    let (early, late) = (Curve(vec![[1.0, 4.0]]), Curve(vec![[4.0, 1.0], [8.0, 0.5]]));
+    assert_eq!(Curve::median(&[early, late]).0, [[4.0, 1.0]]);
 }
 
 #[test]
