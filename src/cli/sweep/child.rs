@@ -63,14 +63,20 @@ pub fn run(words: &[String], stats: &Path, longest: Duration, interrupt: &Interr
         return Outcome::Interrupted;
     }
     if !status.success() {
-        let last = messages.trim().lines().next_back().unwrap_or("no message");
-        return Outcome::Failed(format!("{status}: {last}"));
+        return Outcome::Failed(format!("{status}: {}", said(&messages)));
     }
     let measured = std::fs::read(stats).map_err(|e| e.to_string());
     match measured.and_then(|bytes| serde_json::from_slice(&bytes).map_err(|e| e.to_string())) {
         Ok(stats) => Outcome::Measured(stats),
         Err(e) => Outcome::Failed(format!("{}: {e}", stats.display())),
     }
+}
+
+/// The line of the messages that says what is wrong.
+fn said(messages: &str) -> &str {
+    let lines = || messages.lines().map(str::trim).filter(|l| !l.is_empty());
+    let error = lines().find_map(|l| l.strip_prefix("error: "));
+    error.or(lines().next_back()).unwrap_or("no message")
 }
 
 enum Ended {
@@ -121,4 +127,17 @@ fn listen(child: &mut Child) -> Option<std::thread::JoinHandle<String>> {
         String::from_utf8_lossy(&bytes).into_owned()
     };
     std::thread::Builder::new().spawn(collect).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_line_that_says_what_is_wrong_is_found() {
+        let messages = "warning: odd\nerror: no such file\n  help: name another\n";
+        assert_eq!(said(messages), "no such file");
+        assert_eq!(said("thread panicked\nat the end\n\n"), "at the end");
+        assert_eq!(said(""), "no message");
+    }
 }
