@@ -80,6 +80,7 @@ fn how(photons: u64, paths: u64) -> LearnSettings {
         paths,
         batches: 6,
         memory: 32 << 20,
+        mixture: None,
         photon,
         model: ModelKind::default(),
     }

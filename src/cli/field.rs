@@ -1,6 +1,6 @@
 //! `twintree field`: what is in a field, in numbers and pictures.
 
-use super::args::{LightArgs, SceneArgs};
+use super::args::{LightArgs, RayArgs, SceneArgs};
 use super::field_args::FieldArgs;
 use super::learning::Opened;
 use super::load::{self, Input, Loaded};
@@ -90,7 +90,7 @@ fn read(args: &FieldArgs, scene: &Path, opened: &Opened) -> Result<(Loaded, Scen
     let (width, height) = (args.size.width, args.size.height);
     overrides::resize(&mut loaded.description.film, width, height);
     opened.check(loaded.fingerprint()?, args.any_scene)?;
-    let scene = loaded.build(None, None)?;
+    let scene = loaded.build(&RayArgs::default())?;
     Ok((loaded, scene))
 }
 

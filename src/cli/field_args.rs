@@ -1,7 +1,7 @@
 //! What can be typed about learned fields: how they are learned, kept, added and looked at.
 
 use super::args::{Accel, LightArgs, SceneArgs};
-use super::values::{self, Definition, Depth, Pixel};
+use super::values::{self, Definition, Depth, Mixture, Pixel};
 use crate::film::Shard;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -22,6 +22,32 @@ pub struct GuideArgs {
     /// How a field is learned.
     #[command(flatten)]
     pub learn: LearnArgs,
+    /// Share of the directions that come from the field, 0.1 to 0.9, the others from the material; or
+    /// "learned", place by place
+    #[arg(
+        long,
+        value_name = "SHARE",
+        default_value = "learned",
+        help_heading = "Guiding"
+    )]
+    pub mixture: Mixture,
+    /// What ends guided paths early
+    #[arg(
+        long,
+        value_name = "NAME",
+        default_value = "field",
+        help_heading = "Guiding"
+    )]
+    pub roulette: RouletteBy,
+}
+
+/// What Russian roulette goes by where a field guides.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RouletteBy {
+    /// How little light the field expects them to bring
+    Field,
+    /// Low throughput, as without a field
+    Throughput,
 }
 
 /// How a field is learned.

@@ -134,7 +134,7 @@ pub fn guiding(
     limits: &Limits,
 ) -> Result<Guiding, Failure> {
     if let Some(opened) = opened {
-        let guide = to_guide(&opened.file);
+        let guide = to_guide(&opened.file).with_mixture(args.mixture.0);
         tracing::info!(
             "guided by {}: {}, {}",
             opened.path.display(),
@@ -156,7 +156,8 @@ pub fn guiding(
         },
         _ => overrides::photons_for(&args.learn, view.film, limits),
     };
-    let settings = overrides::learn_settings(&args.learn, view.settings, photons)?;
+    let mut settings = overrides::learn_settings(&args.learn, view.settings, photons)?;
+    settings.mixture = args.mixture.0;
     if view.scene.lights.is_empty() {
         return Ok(Guiding::default());
     }

@@ -1,6 +1,6 @@
 //! From the command line's scene to a description, for every subcommand alike.
 
-use super::args::{Accel, AccelBuild, PictureArgs, SceneArgs};
+use super::args::{Accel, AccelBuild, PictureArgs, RayArgs, SceneArgs};
 use super::scene_args::{StudioArgs, UpAxis};
 use super::values::Definition;
 use super::{Failure, budget, memory, threads};
@@ -47,13 +47,10 @@ impl Loaded {
     ///
     /// # Errors
     /// When the scene cannot be used, or memory does not suffice.
-    pub fn build(
-        &mut self,
-        accel: Option<Accel>,
-        way: Option<AccelBuild>,
-    ) -> Result<Scene, Failure> {
+    pub fn build(&mut self, rays: &RayArgs) -> Result<Scene, Failure> {
         let start = Instant::now();
-        let backend = match accel {
+        let way = rays.accel_build;
+        let backend = match rays.accel {
             None => Backend::default(),
             Some(Accel::Embree) => Backend::Embree,
             Some(Accel::Obvhs) => Backend::Obvhs,
@@ -165,6 +162,7 @@ impl SceneArgs {
             define: define.to_vec(),
             lenient,
             texture_memory: TEXTURE_MEMORY,
+            half_textures: false,
         }
     }
 
@@ -236,7 +234,7 @@ fn load_in(
     studio: &StudioArgs,
     picture: Option<&PictureArgs>,
 ) -> Result<Loaded, Failure> {
-    let textures = Arc::new(TextureStore::new(args.texture_memory));
+    let textures = Arc::new(TextureStore::new(args.texture_memory).in_halves(args.half_textures));
     let mut options = ImportOptions::new(textures.clone());
     options.lenient = args.lenient;
     options.defines = args

@@ -26,7 +26,7 @@ pub fn run(args: &RenderArgs, pixel: [u32; 2]) -> Result<(), Failure> {
     check_pixel(&loaded.description.film, pixel)?;
     let shapes = loaded.description.shapes.iter();
     let names: Vec<String> = shapes.map(|s| s.name.clone()).collect();
-    let scene = loaded.build(args.accel, args.accel_build)?;
+    let scene = loaded.build(&args.rays)?;
     let description = &loaded.description;
     let film = &description.film;
     let settings = overrides::path_settings(&args.light, &description.render);

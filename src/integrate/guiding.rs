@@ -100,6 +100,18 @@ impl Guide {
         let fractions = Fractions::new(&field);
         Self { field, fractions }
     }
+
+    /// The same, drawing from the field with this probability everywhere, if one is given.
+    pub fn with_mixture(self, share: Option<f32>) -> Self {
+        let fractions = match share {
+            Some(share) => Fractions::fixed(&self.field, share),
+            None => self.fractions,
+        };
+        Self {
+            fractions,
+            field: self.field,
+        }
+    }
 }
 
 /// How often mixtures are trusted: the fraction that the double hierarchy has, too, before camera paths

@@ -50,6 +50,7 @@ pub(super) fn teach(
             spp: film.spp_done(),
             spp_limit: limits.spp,
             samples: film.samples_done(),
+            rays: job.spent(elapsed()).rays,
             elapsed: elapsed(),
             noise: film.noise(),
         };

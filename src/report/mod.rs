@@ -6,6 +6,7 @@ pub mod field;
 pub mod names;
 pub mod scene;
 pub mod stats;
+pub mod sweep;
 pub mod table;
 pub mod table1;
 pub mod words;

@@ -3,7 +3,7 @@
 use super::support::Place;
 use std::process::{Command, Stdio};
 
-const COMMANDS: [&str; 9] = [
+const COMMANDS: [&str; 10] = [
     "render",
     "merge",
     "farm",
@@ -13,6 +13,7 @@ const COMMANDS: [&str; 9] = [
     "field",
     "merge-fields",
     "table1",
+    "sweep",
 ];
 
 #[test]

@@ -15,4 +15,5 @@ mod outputs;
 mod shards;
 mod stopping;
 mod support;
+mod sweeping;
 mod table1;

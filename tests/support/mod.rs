@@ -7,9 +7,9 @@ use twintree::accel::{Backend, BuildSettings, ExactKind, ExactShape, TriangleMes
 use twintree::bsdf::{Material, MaterialId, Materials};
 use twintree::camera::{Camera, CameraDescription, FovAxis, Projection};
 use twintree::film::{Film, FilmDescription, FilmKind, filter::Filter};
-use twintree::integrate::PathSettings;
 use twintree::integrate::guiding::{Guidance, Guide};
 use twintree::integrate::render::{Limits, Observer, Progress, Summary, View, render};
+use twintree::integrate::{PathSettings, Roulette};
 use twintree::light::Emitter;
 use twintree::math::{Affine3A, DAffine3, DVec3, Rgb, Vec3};
 use twintree::scene::description::{RenderDescription, SamplerKind};
@@ -198,6 +198,7 @@ pub fn settings() -> PathSettings {
     PathSettings {
         max_depth: u32::MAX,
         rr_depth: 5,
+        roulette: Roulette::Field,
         hide_emitters: false,
         strict_normals: false,
         sampler: SamplerKind::Independent,

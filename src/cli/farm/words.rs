@@ -26,7 +26,15 @@ pub struct Words {
 }
 
 /// Options that cannot be cut up, and why.
-const REFUSED: [(&str, &str); 4] = [
+const REFUSED: [(&str, &str); 6] = [
+    (
+        "quality",
+        "it stops by the clock or the noise: use --spp, --photons and --paths",
+    ),
+    (
+        "reference",
+        "no shard is a whole image: use \"twintree compare\"",
+    ),
     (
         "shard",
         "the shards are made here: say how many with --shards before the scene",

@@ -2,7 +2,7 @@
 
 use super::args::{Method, Table1Args};
 use crate::camera::Camera;
-use crate::cli::args::SceneArgs;
+use crate::cli::args::{RayArgs, SceneArgs};
 use crate::cli::load::{self, Input, Loaded};
 use crate::cli::{Failure, overrides};
 use crate::film::layers::{Layers, Metadata};
@@ -75,7 +75,10 @@ impl Subject {
         film.crop = None;
         overrides::check_memory([0, 0, film.width, film.height])?;
         let fingerprint = loaded.fingerprint()?;
-        let scene = loaded.build(args.accel, None)?;
+        let scene = loaded.build(&RayArgs {
+            accel: args.accel,
+            ..RayArgs::default()
+        })?;
         if scene.lights.is_empty() {
             let message = format!(
                 "{}: nothing shines, there is nothing to compare",
@@ -158,6 +161,7 @@ impl Subject {
                 batches,
             },
             paths: 0,
+            mixture: None,
             batches,
             memory: self.memory,
             photon: PhotonSettings {
