@@ -1,10 +1,10 @@
 //! What is done against rounding in a scene: each precaution, whether it is on, and why.
 //!
-//! Precautions that cost nothing are always on; what a precaution costs is measured, and the table is in
-//! `tests/stability/README.md`. One has a price: tests of edges that no ray slips through (Embree's "robust"
-//! mode). A ray that slips through an edge of a sheet shows what is behind, a millionth of the light; one
-//! that slips out of a closed body, or out of glass, goes on where no path can be. So they are on where a
-//! mesh is closed or refracts, which is decided here from the scene.
+//! Most are on in every scene, because no scene tells beforehand that it can do without. One is not: tests
+//! of edges that no ray slips through (Embree's "robust" mode) slow all rays down. A ray that slips through
+//! an edge of a sheet shows what is behind, a millionth of the light; one that slips out of a closed body, or
+//! out of glass, goes on where no path can be. So they are on where a mesh is closed or refracts, which is
+//! decided here from the scene. `tests/bench/precautions.py` measures what each costs.
 
 use super::description::{Description, Geometry};
 use crate::accel::TriangleMesh;
@@ -66,12 +66,12 @@ pub fn precautions(description: &Description) -> Vec<Precaution> {
         centred,
         always(
             "error-bound offsets",
-            "they cost nothing that can be measured",
+            "else rays would meet the surface they leave",
         ),
-        always("film in f64", "it costs nothing that can be measured"),
+        always("film in f64", "else the sums of many samples would stall"),
         always(
             "exact sums in fields",
-            "fields of any number of threads are the same",
+            "else fields would depend on the number of threads",
         ),
     ]
 }
