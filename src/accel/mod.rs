@@ -259,6 +259,9 @@ pub struct BuildSettings {
     pub robust: bool,
     /// Threads that build; 0 means all.
     pub threads: usize,
+    /// Bytes that the trees may hold, at any moment of the build; 0 means that only the system says no.
+    /// Embree is held to it; the tree in Rust is not.
+    pub memory: usize,
 }
 
 /// Axis-aligned bounds.

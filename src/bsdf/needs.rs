@@ -21,7 +21,7 @@ impl Materials {
 
     /// Whether `test` holds for material `id` or one inside it. Only materials added before
     /// are followed, so this ends.
-    fn any(&self, id: MaterialId, test: &dyn Fn(&Material) -> bool) -> bool {
+    pub(crate) fn any(&self, id: MaterialId, test: &dyn Fn(&Material) -> bool) -> bool {
         let Some(material) = self.list.get(id as usize).map(|p| &p.model) else {
             return false;
         };

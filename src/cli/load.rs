@@ -11,6 +11,7 @@ use crate::scene::fingerprint::fingerprint;
 use crate::scene::import::models::{self, ModelKind, ModelOptions, ModelSource};
 use crate::scene::import::studio::{Sky, Studio};
 use crate::scene::import::{ImportOptions, mitsuba};
+use crate::scene::precautions::watertight_edges;
 use crate::scene::{Description, Scene};
 use crate::texture::TextureStore;
 use std::path::{Path, PathBuf};
@@ -59,7 +60,8 @@ impl Loaded {
             triangles: triangles(&self.description),
             instances: self.description.instances.len() as u64,
         };
-        let chosen = budget::choose(way, backend, load, memory::available_bytes())?;
+        let available = memory::available_bytes();
+        let chosen = budget::choose(way, backend, load, available)?;
         if chosen == AccelBuild::Compact && way.is_none() {
             tracing::info!("memory is short: the ray tracer's trees are built small");
         }
@@ -70,8 +72,9 @@ impl Loaded {
                 AccelBuild::High => BuildQuality::High,
             },
             compact: chosen == AccelBuild::Compact,
+            robust: watertight_edges(&self.description).on,
             threads: threads::count(),
-            ..BuildSettings::default()
+            memory: available.map_or(0, |bytes| usize::try_from(bytes).unwrap_or(0)),
         };
         let scene = Scene::build(&mut self.description, settings, backend)?;
         tracing::debug!(

@@ -3,6 +3,7 @@
 use super::{names, words};
 use crate::film::FilmKind;
 use crate::scene::description::SamplerKind;
+use crate::scene::precautions::{Precaution, precautions};
 use crate::scene::{Description, Geometry, Mesh};
 use serde::Serialize;
 use std::collections::{BTreeMap, HashSet};
@@ -45,6 +46,8 @@ pub struct SceneReport {
     pub film: FilmReport,
     /// How the scene wants to be rendered.
     pub render: RenderReport,
+    /// What is done against rounding, and why.
+    pub precautions: Vec<Precaution>,
     /// What was odd: unsupported, unknown or replaced.
     pub warnings: Vec<String>,
 }
@@ -119,6 +122,7 @@ impl SceneReport {
             camera: names::camera(&description.camera.projection),
             film: film_report(description),
             render: render_report(description),
+            precautions: precautions(description),
             warnings: description.warnings.clone(),
         }
     }
@@ -183,6 +187,11 @@ impl SceneReport {
         for (name, value) in rows {
             // Writing to a string cannot fail.
             let _ = writeln!(text, "{name:<11}{value}");
+        }
+        for precaution in &self.precautions {
+            let state = if precaution.on { "on" } else { "off" };
+            let (name, why) = (precaution.name, &precaution.why);
+            let _ = writeln!(text, "{:<11}{name} {state}: {why}", "precaution");
         }
         text
     }

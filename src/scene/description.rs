@@ -5,7 +5,7 @@ use crate::bsdf::{MaterialId, Materials};
 use crate::camera::CameraDescription;
 use crate::film::FilmDescription;
 use crate::light::Emitter;
-use crate::math::{DAffine3, Vec2, Vec3};
+use crate::math::{DAffine3, DVec3, Vec2, Vec3};
 use crate::texture::MeshAttributes;
 use std::sync::Arc;
 
@@ -107,6 +107,8 @@ pub struct Description {
     pub film: FilmDescription,
     /// How to render.
     pub render: RenderDescription,
+    /// The file's coordinates of what is the origin here: scenes far from theirs are moved.
+    pub origin: DVec3,
     /// What was odd but not fatal, each with its place.
     pub warnings: Vec<String>,
 }

@@ -34,6 +34,40 @@ fn definitions_reach_the_scene() {
     );
 }
 
+/// A tetrahedron; without its last face it has a border.
+const TETRAHEDRON: &str =
+    "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+
+#[test]
+fn info_tells_the_precautions_and_why() {
+    let with = |obj: &str, bsdf: &str| {
+        let shape = format!(
+            r#"<shape type="obj"><string name="filename" value="body.obj"/>{bsdf}</shape></scene>"#
+        );
+        let place = Place::replacing("</scene>", &shape);
+        std::fs::write(place.path("body.obj"), obj).unwrap();
+        place.run("info scene.xml").ok().out
+    };
+    let says = |text: String, line: &str| assert!(text.contains(line), "{line}: {text}");
+    let open = TETRAHEDRON.replace("f 2 3 4\n", "");
+    says(
+        with(TETRAHEDRON, ""),
+        "precaution watertight edges on: the mesh body.obj is closed",
+    );
+    says(
+        with(&open, r#"<bsdf type="dielectric"/>"#),
+        "precaution watertight edges on: the mesh body.obj refracts",
+    );
+    says(
+        with(&open, ""),
+        "precaution watertight edges off: no mesh is closed or refracts",
+    );
+    says(with(&open, ""), "precaution moved to the origin off: ");
+    let json = Place::new().run("info scene.xml --json").ok().out;
+    let info: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(info["precautions"][0]["on"], false, "{info}");
+}
+
 /// Two triangles in a group that stands in two places.
 const GROUP: &str = r#"<shape type="shapegroup" id="pair">
     <shape type="obj"><string name="filename" value="two.obj"/></shape>

@@ -9,6 +9,7 @@ mod fields;
 mod generated;
 mod inspect;
 mod invalid;
+mod losses;
 mod messages;
 mod models;
 mod outputs;

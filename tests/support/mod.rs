@@ -64,6 +64,7 @@ impl SceneMaker {
                     exposure: 0.0,
                 },
                 render: RenderDescription::default(),
+                origin: DVec3::ZERO,
                 warnings: Vec::new(),
             },
         }

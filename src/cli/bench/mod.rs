@@ -92,6 +92,7 @@ fn configurations(args: &BenchAccelArgs) -> Vec<(Backend, BuildSettings)> {
                     robust,
                     compact: false,
                     threads: threads::count(),
+                    memory: 0,
                 };
                 if robust || backend == Backend::Embree {
                     list.push((backend, settings));
