@@ -72,7 +72,7 @@ impl Loaded {
                 AccelBuild::High => BuildQuality::High,
             },
             compact: chosen == AccelBuild::Compact,
-            robust: watertight_edges(&self.description).on,
+            robust: rays.robust || watertight_edges(&self.description).on,
             threads: threads::count(),
             memory: available.map_or(0, |bytes| usize::try_from(bytes).unwrap_or(0)),
         };
