@@ -119,6 +119,10 @@ pub fn guiding(args: &GuideArgs, opened: Option<Opened>, view: &View) -> Result<
     if view.scene.lights.is_empty() {
         return Ok(Guiding::default());
     }
+    if !view.scene.surfaces.scatter() {
+        tracing::info!("nothing in the scene is rough: no field is learned");
+        return Ok(Guiding::default());
+    }
     let learner = Learner::new(view, &settings)?;
     let counts = learner.counts();
     tracing::info!(

@@ -10,6 +10,7 @@ use crate::scene::fingerprint::fingerprint;
 use crate::scene::import::models::{self, ModelKind, ModelOptions, ModelSource};
 use crate::scene::import::studio::{Sky, Studio};
 use crate::scene::import::{ImportOptions, mitsuba};
+use crate::scene::spare::{self, Trimmed};
 use crate::scene::{Description, Scene};
 use crate::texture::TextureStore;
 use std::path::{Path, PathBuf};
@@ -21,6 +22,8 @@ pub struct Loaded {
     /// The scene.
     pub description: Description,
     textures: Arc<TextureStore>,
+    /// Buffers of meshes that nothing reads and that were given back.
+    pub trimmed: Trimmed,
 }
 
 impl Loaded {
@@ -229,16 +232,25 @@ fn load_in(
         .iter()
         .map(|d| (d.name.clone(), d.value.clone()))
         .collect();
-    let description = match input {
+    let mut description = match input {
         Input::Scene(path) => mitsuba::load(path, &options)?,
         Input::Models(sources) => load_models(sources, studio, &options, picture)?,
     };
     for warning in &description.warnings {
         tracing::warn!("{warning}");
     }
+    let trimmed = spare::trim(&mut description);
+    if trimmed.uv_bytes + trimmed.attribute_bytes > 0 {
+        tracing::debug!(
+            "nothing reads {} of texture coordinates and {} of attributes",
+            words::bytes(trimmed.uv_bytes),
+            words::bytes(trimmed.attribute_bytes)
+        );
+    }
     Ok(Loaded {
         description,
         textures,
+        trimmed,
     })
 }
 

@@ -1,5 +1,6 @@
 //! What is in a scene: `twintree info`.
 
+use super::left_out::LeftOut;
 use super::{names, words};
 use crate::film::FilmKind;
 use crate::scene::description::SamplerKind;
@@ -45,6 +46,8 @@ pub struct SceneReport {
     pub film: FilmReport,
     /// How the scene wants to be rendered.
     pub render: RenderReport,
+    /// What the scene does without.
+    pub left_out: Vec<LeftOut>,
     /// What was odd: unsupported, unknown or replaced.
     pub warnings: Vec<String>,
 }
@@ -111,7 +114,7 @@ impl SceneReport {
                 .sum(),
             groups: description.groups,
             instances: description.instances.len(),
-            geometry_memory_bytes: meshes.iter().map(|m| mesh_bytes(m)).sum(),
+            geometry_memory_bytes: geometry_bytes(description),
             lights: by_type(&mut description.emitters.iter().map(names::emitter)),
             materials: by_type(&mut ids.map(|id| names::material(materials.get(id)))),
             textures: textures.count,
@@ -119,6 +122,7 @@ impl SceneReport {
             camera: names::camera(&description.camera.projection),
             film: film_report(description),
             render: render_report(description),
+            left_out: Vec::new(),
             warnings: description.warnings.clone(),
         }
     }
@@ -184,6 +188,10 @@ impl SceneReport {
             // Writing to a string cannot fail.
             let _ = writeln!(text, "{name:<11}{value}");
         }
+        for (i, left) in self.left_out.iter().enumerate() {
+            let name = if i == 0 { "without" } else { "" };
+            let _ = writeln!(text, "{name:<11}{}", left.sentence());
+        }
         text
     }
 }
@@ -224,6 +232,11 @@ pub fn triangles(description: &Description) -> u64 {
         .sum()
 }
 
+/// Memory of all meshes, bytes.
+pub fn geometry_bytes(description: &Description) -> u64 {
+    meshes_of(description).iter().map(|m| mesh_bytes(m)).sum()
+}
+
 /// Triangles in the world: those of a group as often as it stands there.
 fn triangles_placed(description: &Description) -> u64 {
     let mut placements = vec![0u64; description.groups as usize];
@@ -247,7 +260,7 @@ fn triangles_placed(description: &Description) -> u64 {
 }
 
 /// The meshes, each once even where shapes share it.
-fn meshes_of(description: &Description) -> Vec<&Arc<Mesh>> {
+pub(super) fn meshes_of(description: &Description) -> Vec<&Arc<Mesh>> {
     let mut seen = HashSet::new();
     let shapes = description.shapes.iter();
     shapes

@@ -5,6 +5,7 @@ pub mod build;
 pub mod description;
 pub mod fingerprint;
 pub mod import;
+pub mod spare;
 pub mod surface;
 
 pub use build::{BuildError, Scene};
