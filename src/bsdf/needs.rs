@@ -20,7 +20,7 @@ impl Materials {
     }
 
     /// Whether material `id` scatters to more than a few discrete directions somewhere: a field has
-    /// nothing to learn from mirrors and clear glass.
+    /// nothing to learn from mirrors, clear glass and what is black.
     pub fn scatters(&self, id: MaterialId) -> bool {
         self.any(id, &|m| {
             let passes_on =
@@ -32,7 +32,9 @@ impl Materials {
                     | Material::Conductor { .. }
                     | Material::Null
             );
-            !passes_on && !discrete
+            let dark = matches!(m, Material::Diffuse { reflectance }
+                if reflectance.constant() == Some(crate::math::Rgb::ZERO));
+            !passes_on && !discrete && !dark
         })
     }
 

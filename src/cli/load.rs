@@ -239,6 +239,7 @@ fn load_in(
     for warning in &description.warnings {
         tracing::warn!("{warning}");
     }
+    advise_on_textures(&textures);
     let trimmed = spare::trim(&mut description);
     if trimmed.uv_bytes + trimmed.attribute_bytes > 0 {
         tracing::debug!(
@@ -252,6 +253,21 @@ fn load_in(
         textures,
         trimmed,
     })
+}
+
+/// Says what would help where images had to be put on disk.
+fn advise_on_textures(textures: &TextureStore) {
+    let (count, bytes) = textures.spilled();
+    if count == 0 {
+        return;
+    }
+    let images = if count == 1 { "image" } else { "images" };
+    tracing::warn!(
+        "{count} {images} ({}) beyond --texture-memory {}: not tiled, so the texels were put on disk; \
+         maketx (openimageio-tools) makes .tx files, which are read in pieces",
+        words::bytes(bytes as u64),
+        words::bytes(textures.budget_bytes() as u64)
+    );
 }
 
 fn load_models(
