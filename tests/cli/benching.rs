@@ -109,5 +109,5 @@ fn growth_is_measured_over_sizes_and_drawn() {
     assert_eq!(place.files(), ["out.json", "out.svg", "scene.xml"]);
     place
         .run("bench scale --directory nowhere")
-        .fails(2, &["nowhere", "--directory"]);
+        .fails(1, &["nowhere", "--directory"]);
 }
