@@ -9,6 +9,7 @@
 //! closest hits and shadow rays see the same cut-out and the integrator never meets an invisible surface.
 
 use crate::math::{Affine3A, Vec3};
+use rayon::prelude::*;
 use std::sync::Arc;
 
 mod backend;
@@ -142,10 +143,8 @@ impl TriangleMesh {
     /// names the first offending triangle.
     pub fn new(mut positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, BadIndex> {
         let count = positions.len();
-        if let Some(triangle) = triangles
-            .iter()
-            .position(|t| t.iter().any(|&i| i as usize >= count))
-        {
+        let beyond = |t: &[u32; 3]| t.iter().any(|&i| i as usize >= count);
+        if let Some(triangle) = triangles.par_iter().position_first(beyond) {
             return Err(BadIndex {
                 triangle,
                 vertices: count,

@@ -161,6 +161,10 @@ pub fn guiding(
     if view.scene.lights.is_empty() {
         return Ok(Guiding::default());
     }
+    if !view.scene.surfaces.scatter() {
+        tracing::info!("nothing in the scene is rough: no field is learned");
+        return Ok(Guiding::default());
+    }
     if args.guide == Some(Way::Gmm) {
         return mixtures(args, view, &settings);
     }

@@ -12,6 +12,7 @@ use crate::scene::import::models::{self, ModelKind, ModelOptions, ModelSource};
 use crate::scene::import::studio::{Sky, Studio};
 use crate::scene::import::{ImportOptions, mitsuba};
 use crate::scene::precautions::watertight_edges;
+use crate::scene::spare::{self, Trimmed};
 use crate::scene::{Description, Scene};
 use crate::texture::TextureStore;
 use std::path::{Path, PathBuf};
@@ -23,6 +24,8 @@ pub struct Loaded {
     /// The scene.
     pub description: Description,
     textures: Arc<TextureStore>,
+    /// Buffers of meshes that nothing reads and that were given back.
+    pub trimmed: Trimmed,
 }
 
 impl Loaded {
@@ -245,17 +248,42 @@ fn load_in(
         .iter()
         .map(|d| (d.name.clone(), d.value.clone()))
         .collect();
-    let description = match input {
+    let mut description = match input {
         Input::Scene(path) => mitsuba::load(path, &options)?,
         Input::Models(sources) => load_models(sources, studio, &options, picture)?,
     };
     for warning in &description.warnings {
         tracing::warn!("{warning}");
     }
+    advise_on_textures(&textures);
+    let trimmed = spare::trim(&mut description);
+    if trimmed.uv_bytes + trimmed.attribute_bytes > 0 {
+        tracing::debug!(
+            "nothing reads {} of texture coordinates and {} of attributes",
+            words::bytes(trimmed.uv_bytes),
+            words::bytes(trimmed.attribute_bytes)
+        );
+    }
     Ok(Loaded {
         description,
         textures,
+        trimmed,
     })
+}
+
+/// Says what would help where images had to be put on disk.
+fn advise_on_textures(textures: &TextureStore) {
+    let (count, bytes) = textures.spilled();
+    if count == 0 {
+        return;
+    }
+    let images = if count == 1 { "image" } else { "images" };
+    tracing::warn!(
+        "{count} {images} ({}) beyond --texture-memory {}: not tiled, so the texels were put on disk; \
+         maketx (openimageio-tools) makes .tx files, which are read in pieces",
+        words::bytes(bytes as u64),
+        words::bytes(textures.budget_bytes() as u64)
+    );
 }
 
 fn load_models(

@@ -3,7 +3,10 @@
 pub mod accel;
 pub mod compare;
 pub mod field;
+pub mod left_out;
 pub mod names;
+pub mod scale;
+pub mod scale_plot;
 pub mod scene;
 pub mod stats;
 pub mod sweep;

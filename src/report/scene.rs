@@ -1,5 +1,6 @@
 //! What is in a scene: `twintree info`.
 
+use super::left_out::LeftOut;
 use super::{names, words};
 use crate::film::FilmKind;
 use crate::scene::description::SamplerKind;
@@ -48,6 +49,8 @@ pub struct SceneReport {
     pub render: RenderReport,
     /// What is done against rounding, and why.
     pub precautions: Vec<Precaution>,
+    /// What the scene does without.
+    pub left_out: Vec<LeftOut>,
     /// What was odd: unsupported, unknown or replaced.
     pub warnings: Vec<String>,
 }
@@ -114,7 +117,7 @@ impl SceneReport {
                 .sum(),
             groups: description.groups,
             instances: description.instances.len(),
-            geometry_memory_bytes: meshes.iter().map(|m| mesh_bytes(m)).sum(),
+            geometry_memory_bytes: geometry_bytes(description),
             lights: by_type(&mut description.emitters.iter().map(names::emitter)),
             materials: by_type(&mut ids.map(|id| names::material(materials.get(id)))),
             textures: textures.count,
@@ -123,6 +126,7 @@ impl SceneReport {
             film: film_report(description),
             render: render_report(description),
             precautions: precautions(description),
+            left_out: Vec::new(),
             warnings: description.warnings.clone(),
         }
     }
@@ -193,6 +197,10 @@ impl SceneReport {
             let (name, why) = (precaution.name, &precaution.why);
             let _ = writeln!(text, "{:<11}{name} {state}: {why}", "precaution");
         }
+        for (i, left) in self.left_out.iter().enumerate() {
+            let name = if i == 0 { "without" } else { "" };
+            let _ = writeln!(text, "{name:<11}{}", left.sentence());
+        }
         text
     }
 }
@@ -233,6 +241,11 @@ pub fn triangles(description: &Description) -> u64 {
         .sum()
 }
 
+/// Memory of all meshes, bytes.
+pub fn geometry_bytes(description: &Description) -> u64 {
+    meshes_of(description).iter().map(|m| mesh_bytes(m)).sum()
+}
+
 /// Triangles in the world: those of a group as often as it stands there.
 fn triangles_placed(description: &Description) -> u64 {
     let mut placements = vec![0u64; description.groups as usize];
@@ -256,7 +269,7 @@ fn triangles_placed(description: &Description) -> u64 {
 }
 
 /// The meshes, each once even where shapes share it.
-fn meshes_of(description: &Description) -> Vec<&Arc<Mesh>> {
+pub(super) fn meshes_of(description: &Description) -> Vec<&Arc<Mesh>> {
     let mut seen = HashSet::new();
     let shapes = description.shapes.iter();
     shapes

@@ -6,6 +6,7 @@ pub mod description;
 pub mod fingerprint;
 pub mod import;
 pub mod precautions;
+pub mod spare;
 pub mod surface;
 
 pub use build::{BuildError, Scene};

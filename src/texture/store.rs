@@ -40,6 +40,8 @@ pub struct TextureStore {
     budget: usize,
     halves: bool,
     resident: AtomicUsize,
+    spilled: AtomicUsize,
+    spilled_bytes: AtomicUsize,
     opened: Mutex<Opened>,
     #[cfg(feature = "oiio")]
     cache: OnceLock<Result<Arc<crate::image::oiio::textures::TextureSystem>, String>>,
@@ -52,6 +54,8 @@ impl TextureStore {
             budget: memory_bytes,
             halves: false,
             resident: AtomicUsize::new(0),
+            spilled: AtomicUsize::new(0),
+            spilled_bytes: AtomicUsize::new(0),
             opened: Mutex::default(),
             #[cfg(feature = "oiio")]
             cache: OnceLock::new(),
@@ -83,6 +87,15 @@ impl TextureStore {
     /// Bytes of texels in memory now, resident and cached.
     pub fn memory_bytes(&self) -> usize {
         self.resident.load(Ordering::Relaxed) + self.cached_bytes()
+    }
+
+    /// Images that do not fit into the budget and are not tiled, so that their texels were put on disk:
+    /// how many, and their bytes.
+    pub fn spilled(&self) -> (usize, usize) {
+        (
+            self.spilled.load(Ordering::Relaxed),
+            self.spilled_bytes.load(Ordering::Relaxed),
+        )
     }
 
     /// The budget.
@@ -128,6 +141,8 @@ impl TextureStore {
         if plan.file.header().tile_height > 0 && plan.is_contiguous() {
             return self.cached(plan, settings).map(Arc::new);
         }
+        self.spilled.fetch_add(1, Ordering::Relaxed);
+        self.spilled_bytes.fetch_add(bytes, Ordering::Relaxed);
         plan.read(true).map(Arc::new)
     }
 
