@@ -54,6 +54,8 @@ pub fn log_log(size: (u32, u32), name: &str, lines: &[Line]) -> Option<String> {
     // Drawing into a string cannot fail.
     draw(&mut svg, size, (x, y), lines).ok()?;
     let label = super::html::escape(name);
+    // Inside a page its name space is known, and a page without addresses is seen to need no network.
+    let svg = svg.replacen(" xmlns=\"http://www.w3.org/2000/svg\"", "", 1);
     Some(svg.replacen(
         "<svg ",
         &format!("<svg role=\"img\" aria-label=\"{label}\" "),

@@ -68,7 +68,7 @@ fn sweep(list: &[(&str, &[Option<f64>])]) -> Sweep {
                 fingerprint: "0".into(),
                 width: 8,
                 height: 8,
-                relmse: Some(1e-4),
+                relmse: Some(2e-4),
             },
             common: Vec::new(),
             clock: Clock::Wall,
@@ -184,7 +184,7 @@ fn what_is_recommended_is_the_fastest_or_an_earlier_one_that_is_as_fast() {
     assert_eq!(of("draft").name, "base");
     // 25 % is a relMSE of 1/16: 16 s, beyond the runs.
     assert!((of("draft").seconds - 16.0).abs() < 0.1 && !of("draft").measured);
-    // 2 % is 4e-4, which a reference of 1e-4 does not tell from a little less or more.
+    // 2 % is a relMSE of 4e-4, which a reference of 2e-4 by itself does not tell from much less.
     assert!(of("normal").certain && !of("final").certain);
 }
 
