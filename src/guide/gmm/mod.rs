@@ -19,11 +19,11 @@
 //!   lobe's density is divided by its mass inside, which is integrated once when the field is frozen:
 //!   mixtures integrate to one over the hemisphere ([`mixture`]).
 //!
-//! What differs from the paper, each time because it was better or as good (see the measurements beside the
-//! settings): photons count less towards the rim of a record, as in density estimation; the prior is weighed
-//! against the effective number of photons, which unequal powers lower; the rate of the stepwise updates goes
+//! What differs from the paper: photons count less towards the rim of a record, as in density estimation; the
+//! prior is weighed against the effective number of photons, which unequal powers lower; the rate of the stepwise updates goes
 //! by photons instead of by batches, so that records in the dark, which wait until there are enough for a
-//! step, weigh all their photons alike. Only incident light is learned: photons are not guided by visual
+//! step, weigh all their photons alike, and forgets less (0.9 instead of 0.7), for here early photons are as
+//! good as late ones. Only incident light is learned: photons are not guided by visual
 //! importance, which the paper does in alternation, because the comparison is about what is made of the
 //! same photons.
 //!
