@@ -81,8 +81,10 @@ fn settings(args: &RenderArgs, subject: &Subject, limits: &Limits) -> Vec<(Strin
     let (film, path) = (subject.film, subject.path);
     let mut list = Vec::new();
     let mut add = |name: &str, value: &dyn Debug| list.push((name.into(), format!("{value:?}")));
-    let version = format_args!("twintree {}", env!("CARGO_PKG_VERSION"));
-    add("the program", &version);
+    add(
+        "the program",
+        &format_args!("twintree {}", env!("CARGO_PKG_VERSION")),
+    );
     add("the ray tracer", &subject.accel);
     add("--width", &film.width);
     add("--height", &film.height);
