@@ -64,7 +64,7 @@ pub struct LimitArgs {
 #[derive(Subcommand, Debug)]
 pub enum Bench {
     /// Build times, memory and rays a second of both ray tracers
-    Accel(BenchAccelArgs),
+    Accel(Box<BenchAccelArgs>),
     /// How loading, building and tracing grow with the size of a mesh
     Scale(BenchScaleArgs),
 }

@@ -105,6 +105,7 @@ fn a_tree_that_does_not_fit_is_refused_in_words() {
     if !bounded.is_ok_and(|s| s.success()) {
         eprintln!("skipped: memory cannot be bounded without prlimit");
         signal(&child, "KILL");
+        wait(child);
         return;
     }
     let scene = super::support::SCENE
