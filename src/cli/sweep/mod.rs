@@ -1,6 +1,6 @@
 //! `twintree sweep`: which settings suit a scene?
 //!
-//! Every configuration of a plan ([`plan`]) is run several times as a child process ([`child`]), round by
+//! Every configuration of a plan (`plan`) is run several times as a child process (`child`), round by
 //! round, so that a machine that is busy for a while slows all of them down and not one. After each run
 //! `report.json` is there to go on from; at the end, or when Ctrl-C or the budget ends it, the page is
 //! written from it ([`crate::report::sweep`]).

@@ -6,18 +6,18 @@
 //! a mixture of [`LOBES`] Gaussians, and a path vertex asks the nearest record.
 //!
 //! * **Square.** The hemisphere is mapped to the unit square by Shirley and Chiu's concentric map, which
-//!   keeps areas: a density over the square is one over solid angle, but for 2 pi ([`square`]).
+//!   keeps areas: a density over the square is one over solid angle, but for 2 pi (`square`).
 //! * **Records** are made once the first batch of photons is there, at points where camera paths scatter and
 //!   no record serves yet. A record listens to the photons within its radius on surfaces that face the
 //!   same way. The radius is such that it will hear of [`Settings::photons`] photons in all, so records
-//!   stand close where light is dense; a record serves the points within half of its radius ([`place`]).
+//!   stand close where light is dense; a record serves the points within half of its radius (`place`).
 //! * **Learning** is weighted stepwise expectation maximisation with the paper's conjugate priors: the first
 //!   photons, gathered until there are enough, start the mixture (k-means++ seeds, then a few iterations
-//!   over them alone), later ones are mini-batches that move its sufficient statistics ([`em`]). Photons
+//!   over them alone), later ones are mini-batches that move its sufficient statistics (`em`). Photons
 //!   are forgotten afterwards.
 //! * **Sampling.** Gaussians reach beyond the square. A sample that falls outside is drawn again, and each
 //!   lobe's density is divided by its mass inside, which is integrated once when the field is frozen:
-//!   mixtures integrate to one over the hemisphere ([`mixture`]).
+//!   mixtures integrate to one over the hemisphere (`mixture`).
 //!
 //! What differs from the paper: photons count less towards the rim of a record, as in density estimation; the
 //! prior is weighed against the effective number of photons, which unequal powers lower; the rate of the stepwise updates goes
