@@ -207,9 +207,9 @@ fn trace(
     );
     let limits = setting.limits;
     let goes = (setting.checkpoint, setting.before.time);
+    interrupt.be_patient();
     let watch = Watch::start(interrupt, console, limits, film, preview, goes);
     let watch = watch.measuring(setting.track);
-    interrupt.be_patient();
     let summary = resume(
         &setting.view,
         learner,

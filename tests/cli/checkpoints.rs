@@ -21,10 +21,12 @@ fn uninterrupted(place: &Place, spp: u32, rest: &str) -> Vec<(String, Vec<u32>)>
     numbers
 }
 
-/// Waits until the file is there, while the render runs.
+/// Waits until the file is there, while the render runs. (An empty one is the program trying whether it may
+/// write there.)
 fn wait_for(place: &Place, name: &str, child: &mut Child) {
     let start = Instant::now();
-    while !place.path(name).exists() {
+    let written = || std::fs::metadata(place.path(name)).is_ok_and(|m| m.len() > 0);
+    while !written() {
         assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
         assert!(start.elapsed() < Duration::from_secs(60), "no {name}");
         std::thread::sleep(Duration::from_millis(2));
