@@ -1,11 +1,10 @@
 //! The command line: parses it, runs the command, turns the outcome into an exit code.
 
-use clap::Parser;
 use std::process::ExitCode;
 use twintree::cli::{Cli, console, failure};
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = Cli::read();
     console::report_panics();
     match std::panic::catch_unwind(|| cli.run()) {
         Ok(Ok(())) => ExitCode::SUCCESS,

@@ -7,10 +7,12 @@ use twintree::accel::{Backend, ExactKind};
 use twintree::bsdf::Material;
 use twintree::bsdf::material::{Distribution, Roughness};
 use twintree::film::Film;
+use twintree::guide::gmm::Mixtures;
 use twintree::guide::{Field, ModelKind};
 use twintree::integrate::PathSettings;
 use twintree::integrate::guiding::Guide;
 use twintree::integrate::learn::{LearnSettings, Learned, garbage, learn};
+use twintree::integrate::learn_gmm::{self, learn_mixtures};
 use twintree::light::Emitter;
 use twintree::math::{Affine3A, Rgb, Vec3};
 use twintree::photon::PhotonSettings;
@@ -55,12 +57,22 @@ fn room() -> Built {
 }
 
 fn learned(built: &Built, photons: u64, paths: u64) -> Learned {
+    let settings = how(photons, paths);
+    learn(&built.view(&twelve(), None), &settings).expect("the field is learned")
+}
+
+fn mixtures(built: &Built, photons: u64) -> Mixtures {
+    let learned = learn_mixtures(&built.view(&twelve(), None), &how(photons, 0));
+    learned.expect("mixtures are learned").mixtures
+}
+
+fn how(photons: u64, paths: u64) -> LearnSettings {
     let photon = PhotonSettings {
         max_bounces: 11,
         roulette_after: 3,
         seed: 5,
     };
-    let settings = LearnSettings {
+    LearnSettings {
         photons: Budget::Exactly {
             photons,
             batches: 6,
@@ -68,14 +80,17 @@ fn learned(built: &Built, photons: u64, paths: u64) -> Learned {
         paths,
         batches: 6,
         memory: 32 << 20,
+        mixture: None,
         photon,
         model: ModelKind::default(),
-    };
-    let path = PathSettings {
+    }
+}
+
+fn twelve() -> PathSettings {
+    PathSettings {
         max_depth: 12,
         ..support::settings()
-    };
-    learn(&built.view(&path, None), &settings).expect("the field is learned")
+    }
 }
 
 /// Block means of two renders agree: 4 x 4 pixels, 64 blocks; the largest of 64 normal deviates
@@ -158,6 +173,46 @@ fn learned_random_and_foreign_fields_give_the_unguided_mean() {
         &room.render_guided(&path, 512, Some(&few)).0,
         &plain,
     );
+}
+
+#[test]
+fn learned_random_and_foreign_mixtures_give_the_unguided_mean() {
+    let room = room();
+    let mut path = twelve();
+    let (plain, _) = room.render(&path, 512);
+    path.seed = 2;
+    let far = Mixtures::random(Vec3::splat(100.0), Vec3::splat(101.0), 3);
+    for (what, mixtures, spp) in [
+        ("learned", mixtures(&room, 200_000), 256),
+        ("random", learn_gmm::garbage(&room.scene, 9), 1024),
+        ("foreign", far, 512),
+        ("three photons", mixtures(&room, 3), 512),
+    ] {
+        let (guided, _) = room.render_by(&path, spp, Some((&mixtures).into()));
+        agree(&format!("{what} mixtures"), &guided, &plain);
+    }
+}
+
+#[test]
+fn learned_mixtures_lower_the_noise_and_are_the_same_for_any_number_of_threads() {
+    let room = room();
+    let path = twelve();
+    let relative = |film: &Film| f64::from(film.noise().expect("enough samples")).powi(2);
+    let image = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .expect("threads");
+        pool.install(|| {
+            let mixtures = mixtures(&room, 200_000);
+            room.render_by(&path, 64, Some((&mixtures).into())).0
+        })
+    };
+    let guided = image(2);
+    assert!(guided == image(1), "threads change the image");
+    let (plain, guided) = (relative(&room.render(&path, 64).0), relative(&guided));
+    println!("relative variance {plain:.5} unguided, {guided:.5} by mixtures");
+    assert!(guided < 0.9 * plain, "{guided} is not below {plain}");
 }
 
 #[test]

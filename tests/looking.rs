@@ -98,6 +98,7 @@ fn taught(built: &Built, photons: u64, paths: u64, model: ModelKind) -> Learned 
         paths,
         batches: 6,
         memory: 32 << 20,
+        mixture: None,
         photon: PhotonSettings {
             max_bounces: 8,
             roulette_after: 3,

@@ -9,6 +9,7 @@
 //! closest hits and shadow rays see the same cut-out and the integrator never meets an invisible surface.
 
 use crate::math::{Affine3A, Vec3};
+use rayon::prelude::*;
 use std::sync::Arc;
 
 mod backend;
@@ -142,10 +143,8 @@ impl TriangleMesh {
     /// names the first offending triangle.
     pub fn new(mut positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, BadIndex> {
         let count = positions.len();
-        if let Some(triangle) = triangles
-            .iter()
-            .position(|t| t.iter().any(|&i| i as usize >= count))
-        {
+        let beyond = |t: &[u32; 3]| t.iter().any(|&i| i as usize >= count);
+        if let Some(triangle) = triangles.par_iter().position_first(beyond) {
             return Err(BadIndex {
                 triangle,
                 vertices: count,
@@ -259,6 +258,9 @@ pub struct BuildSettings {
     pub robust: bool,
     /// Threads that build; 0 means all.
     pub threads: usize,
+    /// Bytes that the trees may hold, at any moment of the build; 0 means that only the system says no.
+    /// Embree is held to it; the tree in Rust is not.
+    pub memory: usize,
 }
 
 /// Axis-aligned bounds.

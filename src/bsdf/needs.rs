@@ -2,7 +2,7 @@
 
 use super::materials::inner_materials;
 use super::{Material, MaterialId, Materials};
-use crate::texture::Texture;
+use crate::texture::{Reads, Texture};
 
 impl Materials {
     /// Whether material `id` reads tangents: it has a texture (whose level depends on the footprint),
@@ -19,9 +19,47 @@ impl Materials {
         self.any(id, &|m| matches!(m, Material::BumpMap { .. }))
     }
 
+    /// Whether material `id` scatters to more than a few discrete directions somewhere: a field has
+    /// nothing to learn from mirrors, clear glass and what is black.
+    pub fn scatters(&self, id: MaterialId) -> bool {
+        self.any(id, &|m| {
+            let passes_on =
+                inner_materials(m).next().is_some() && !matches!(m, Material::RoughCoating { .. });
+            let discrete = matches!(
+                m,
+                Material::Dielectric { .. }
+                    | Material::ThinDielectric { .. }
+                    | Material::Conductor { .. }
+                    | Material::Null
+            );
+            let dark = matches!(m, Material::Diffuse { reflectance }
+                if reflectance.constant() == Some(crate::math::Rgb::ZERO));
+            !passes_on && !discrete && !dark
+        })
+    }
+
+    /// Adds what material `id` reads of a mesh.
+    pub fn add_reads(&self, id: MaterialId, reads: &mut Reads) {
+        let Some(material) = self.list.get(id as usize).map(|p| &p.model) else {
+            return;
+        };
+        // Tangents follow the texture coordinates.
+        let turns = matches!(
+            material,
+            Material::BumpMap { .. } | Material::NormalMap { .. }
+        );
+        reads.uvs |= turns || is_anisotropic(material);
+        for texture in textures(material) {
+            texture.add_reads(reads);
+        }
+        for inner in inner_materials(material).filter(|i| *i < id) {
+            self.add_reads(inner, reads);
+        }
+    }
+
     /// Whether `test` holds for material `id` or one inside it. Only materials added before
     /// are followed, so this ends.
-    fn any(&self, id: MaterialId, test: &dyn Fn(&Material) -> bool) -> bool {
+    pub(crate) fn any(&self, id: MaterialId, test: &dyn Fn(&Material) -> bool) -> bool {
         let Some(material) = self.list.get(id as usize).map(|p| &p.model) else {
             return false;
         };

@@ -5,6 +5,8 @@ use super::measure_args::{Bench, CompareArgs};
 use super::part_args::{FarmArgs, MergeArgs, PartArgs};
 use super::scene_args::MakeArgs;
 pub use super::scene_args::SceneArgs;
+use super::sweep_args::SweepArgs;
+use super::table1::args::Table1Args;
 use super::values::{self, Crop, Depth, PixelAt, Preview};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -54,6 +56,10 @@ pub enum Command {
     Make(MakeArgs),
     /// Say how far images are from a reference
     Compare(CompareArgs),
+    /// Make the table of the method's paper anew: errors, memory and times of guided rendering
+    Table1(Box<Table1Args>),
+    /// Try settings on a scene against a reference, and report which to use
+    Sweep(SweepArgs),
     /// Measure parts of the program
     #[command(subcommand)]
     Bench(Bench),
@@ -135,6 +141,22 @@ pub struct RenderArgs {
     /// Files.
     #[command(flatten)]
     pub files: FileArgs,
+    /// Measure the error against this image while rendering, for --stats and the message at the end
+    #[arg(
+        long,
+        value_name = "FILE",
+        conflicts_with = "shard",
+        help_heading = "Output"
+    )]
+    pub reference: Option<PathBuf>,
+    /// Settings for a purpose: when to stop, and how long to learn; options that are given besides win
+    #[arg(
+        long,
+        value_name = "NAME",
+        conflicts_with = "shard",
+        help_heading = "Stop at whichever comes first"
+    )]
+    pub quality: Option<Preset>,
     /// When to stop.
     #[command(flatten)]
     pub stop: StopArgs,
@@ -156,15 +178,37 @@ pub struct RenderArgs {
     /// Guiding.
     #[command(flatten)]
     pub guide: GuideArgs,
+    /// Ray tracer.
+    #[command(flatten)]
+    pub rays: RayArgs,
+    /// Show the image while it renders, in the viewer tev (tev=host:port if it runs elsewhere)
+    #[arg(long, value_name = "tev[=HOST:PORT]", help_heading = "Messages")]
+    pub preview: Option<Preview>,
+}
+
+/// What an image is for.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Preset {
+    /// A look at light and frame
+    Draft,
+    /// To show
+    Normal,
+    /// To keep
+    Final,
+}
+
+/// The ray tracer, and how it is built.
+#[derive(Args, Debug, Default)]
+pub struct RayArgs {
     /// Ray tracer [default: embree, where it was compiled in]
     #[arg(long, value_name = "NAME", help_heading = "Machine")]
     pub accel: Option<Accel>,
     /// How its trees are built [default: balanced, or compact where memory is short]
     #[arg(long, value_name = "WAY", help_heading = "Machine")]
     pub accel_build: Option<AccelBuild>,
-    /// Show the image while it renders, in the viewer tev (tev=host:port if it runs elsewhere)
-    #[arg(long, value_name = "tev[=HOST:PORT]", help_heading = "Messages")]
-    pub preview: Option<Preview>,
+    /// Let no ray slip through between triangles, for a few per cent of speed
+    #[arg(long, help_heading = "Machine")]
+    pub robust: bool,
 }
 
 /// What is written, and how.

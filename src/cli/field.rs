@@ -1,10 +1,9 @@
 //! `twintree field`: what is in a field, in numbers and pictures.
 
-use super::args::{LightArgs, SceneArgs};
+use super::args::{LightArgs, RayArgs, SceneArgs};
 use super::field_args::FieldArgs;
 use super::learning::Opened;
 use super::load::{self, Input, Loaded};
-use super::scene_args::StudioArgs;
 use super::values::Pixel;
 use super::{Failure, console, output, overrides};
 use crate::camera::Camera;
@@ -67,7 +66,7 @@ fn look(args: &FieldArgs, scene: &Path, opened: &Opened) -> Result<(), Failure> 
         camera: &Camera::new(&description.camera, film.width, film.height),
         film,
         settings: &settings,
-        guide: Some(&guide),
+        guide: Some((&guide).into()),
     };
     if let Some(path) = &args.tree {
         let (pixels, seen) = cells::seen(&view, &guide.field);
@@ -86,23 +85,14 @@ fn look(args: &FieldArgs, scene: &Path, opened: &Opened) -> Result<(), Failure> 
 
 /// Reads and builds the scene of a field.
 fn read(args: &FieldArgs, scene: &Path, opened: &Opened) -> Result<(Loaded, Scene), Failure> {
-    let named = SceneArgs {
-        files: vec![scene.into()],
-        studio: StudioArgs::default(),
-        define: args.define.clone(),
-        lenient: args.lenient,
-        texture_memory: TEXTURE_MEMORY,
-    };
+    let named = SceneArgs::of(scene, &args.define, args.lenient);
     let mut loaded = load::load(&named, &Input::of(&named)?, None)?;
     let (width, height) = (args.size.width, args.size.height);
     overrides::resize(&mut loaded.description.film, width, height);
     opened.check(loaded.fingerprint()?, args.any_scene)?;
-    let scene = loaded.build(None, None)?;
+    let scene = loaded.build(&RayArgs::default())?;
     Ok((loaded, scene))
 }
-
-/// As much as a render takes.
-const TEXTURE_MEMORY: usize = 2 << 30;
 
 /// Draws the distribution at the point that a pixel sees, and prints it in numbers.
 fn probe(

@@ -1,7 +1,7 @@
 //! What can be typed about learned fields: how they are learned, kept, added and looked at.
 
 use super::args::{Accel, LightArgs, SceneArgs};
-use super::values::{self, Definition, Depth, Pixel};
+use super::values::{self, Definition, Depth, Mixture, Pixel};
 use crate::film::Shard;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -22,13 +22,39 @@ pub struct GuideArgs {
     /// How a field is learned.
     #[command(flatten)]
     pub learn: LearnArgs,
+    /// Share of the directions that come from the field, 0.1 to 0.9, the others from the material; or
+    /// "learned", place by place
+    #[arg(
+        long,
+        value_name = "SHARE",
+        default_value = "learned",
+        help_heading = "Guiding"
+    )]
+    pub mixture: Mixture,
+    /// What ends guided paths early
+    #[arg(
+        long,
+        value_name = "NAME",
+        default_value = "field",
+        help_heading = "Guiding"
+    )]
+    pub roulette: RouletteBy,
+}
+
+/// What Russian roulette goes by where a field guides.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RouletteBy {
+    /// How little light the field expects them to bring
+    Field,
+    /// Low throughput, as without a field
+    Throughput,
 }
 
 /// How a field is learned.
 #[derive(Args, Debug)]
 pub struct LearnArgs {
     /// Photon paths that teach the field [default: as many as the image is worth, while they teach
-    /// anything; with "twintree train" 500 000]
+    /// anything; with "twintree train" 500 000; with --guide gmm 9 million]
     #[arg(long, value_name = "N", help_heading = "Guiding")]
     pub photons: Option<u64>,
     /// Camera paths that teach the field; the first samples of a render do
@@ -47,8 +73,8 @@ pub struct LearnArgs {
         help_heading = "Guiding"
     )]
     pub train: Teachers,
-    /// Batches that --photons come in, each twice as large as the one before
-    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=32), help_heading = "Guiding")]
+    /// Batches that --photons come in, each twice as large as the one before; with --guide gmm 30 of one size
+    #[arg(long, value_name = "N", default_value_t = 8, default_value_if("guide", "gmm", "30"), value_parser = clap::value_parser!(u32).range(1..=32), help_heading = "Guiding")]
     pub batches: u32,
     /// Memory for the field while it is learned, such as 64M
     #[arg(long, value_name = "BYTES", default_value = "256M", value_parser = values::bytes, help_heading = "Guiding")]
@@ -208,6 +234,8 @@ pub enum Guide {
     None,
     /// A double hierarchy, learned before rendering
     Double,
+    /// Cached Gaussian mixtures (Vorba et al. 2014), learned from photons before rendering: to compare with
+    Gmm,
 }
 
 /// What describes the directions of a cell.

@@ -92,6 +92,7 @@ fn settings(args: &RenderArgs, subject: &Subject, limits: &Limits) -> Vec<(Strin
     add("--rfilter", &film.filter);
     add("--max-depth", &path.max_depth);
     add("--rr-depth", &path.rr_depth);
+    add("--robust", &args.rays.robust);
     add("--hide-emitters", &path.hide_emitters);
     add("--strict-normals", &path.strict_normals);
     add("--sampler", &path.sampler);
@@ -100,9 +101,12 @@ fn settings(args: &RenderArgs, subject: &Subject, limits: &Limits) -> Vec<(Strin
     add("--accel-build", &subject.trees);
     // Textures beyond the budget take their coarser levels from the file: not the same texels.
     add("--texture-memory", &args.scene.texture_memory);
+    add("--half-textures", &args.scene.half_textures);
     // A field from a file has its own fingerprint, whatever it was learned with.
     if subject.field.is_some() {
         add("--guide", &Guide::Double);
+        add("--mixture", &args.guide.mixture.0);
+        add("--roulette", &args.guide.roulette);
         return list;
     }
     let (guide, learn) = (args.guide.guide.unwrap_or(Guide::None), &args.guide.learn);
@@ -121,6 +125,8 @@ fn settings(args: &RenderArgs, subject: &Subject, limits: &Limits) -> Vec<(Strin
         add("--batches", &learn.batches);
         add("--guide-memory", &learn.guide_memory);
         add("--guide-model", &learn.guide_model);
+        add("--mixture", &args.guide.mixture.0);
+        add("--roulette", &args.guide.roulette);
     }
     list
 }

@@ -3,6 +3,7 @@
 use super::args::InfoArgs;
 use super::load::{self, Input};
 use super::{Failure, console};
+use crate::report::left_out::left_out;
 use crate::report::scene::SceneReport;
 
 /// Loads the scene and prints what is in it.
@@ -12,7 +13,8 @@ use crate::report::scene::SceneReport;
 pub fn run(args: &InfoArgs) -> Result<(), Failure> {
     let loaded = load::load(&args.scene, &Input::of(&args.scene)?, None)?;
     let scene = args.scene.title();
-    let report = SceneReport::of(&scene, &loaded.description, loaded.textures());
+    let mut report = SceneReport::of(&scene, &loaded.description, loaded.textures());
+    report.left_out = left_out(&loaded.description, loaded.textures(), loaded.trimmed);
     let text = if args.json {
         report.to_json()
     } else {

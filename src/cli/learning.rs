@@ -1,17 +1,20 @@
 //! Learned fields, as the commands share them: learning one, reading one, and what is said about it.
 
-use super::field_args::{Guide as Way, GuideArgs, LearnArgs};
+use super::field_args::{Guide as Way, GuideArgs, GuideModel, LearnArgs, Teachers};
 use super::{Failure, overrides};
 use crate::guide::FieldFile;
 use crate::image::atomic;
 use crate::integrate::extend::{check_scene, to_guide};
-use crate::integrate::guiding::Guide;
-use crate::integrate::learn::{Learned, Learner, learn};
+use crate::integrate::guiding::{Guidance, Guide};
+use crate::integrate::learn::{LearnSettings, Learned, Learner, learn};
+use crate::integrate::learn_gmm::{self, LearnedMixtures, learn_mixtures};
 use crate::integrate::render::{Limits, View};
 use crate::integrate::trial;
 use crate::photon::PhotonCounts;
+use crate::photon::schedule::Budget;
 use crate::report::words;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 use xxhash_rust::xxh3::xxh3_64;
 
 /// A field that was read.
@@ -74,6 +77,12 @@ pub fn wanted_file(args: &GuideArgs) -> Result<Option<Opened>, Failure> {
             help,
         ));
     }
+    if args.guide == Some(Way::Gmm) {
+        let message =
+            "--guide gmm does not go with --field: only double hierarchies are kept in files";
+        let help = "leave --field away: the mixtures are learned before rendering";
+        return Err(Failure::wrong(message, help));
+    }
     Opened::read(path).map(Some)
 }
 
@@ -84,13 +93,33 @@ pub struct Guiding {
     pub kept: Option<Guide>,
     /// Learned on the way.
     pub learner: Option<Learner>,
+    /// Cached mixtures.
+    pub mixtures: Option<LearnedMixtures>,
 }
 
 impl Guiding {
-    /// What is known so far, if anything is.
-    pub fn guide(&self) -> Option<&Guide> {
+    /// What guides from the first sample on.
+    pub fn prepared(&self) -> Option<Guidance<'_>> {
+        let mixtures = self.mixtures.as_ref().map(|m| (&m.mixtures).into());
+        mixtures.or(self.kept.as_ref().map(Into::into))
+    }
+
+    /// Bytes of the field as it is.
+    pub fn bytes(&self) -> u64 {
+        if let Some(learned) = &self.mixtures {
+            return learned.mixtures.bytes();
+        }
         let learned = self.learner.as_ref().map(Learner::guide);
-        learned.or(self.kept.as_ref())
+        learned
+            .or(self.kept.as_ref())
+            .map_or(0, |g| g.field.bytes())
+    }
+
+    /// Time that learning took so far.
+    pub fn elapsed(&self) -> Duration {
+        let mixtures = self.mixtures.as_ref().map(|m| m.elapsed);
+        let learner = self.learner.as_ref().map(Learner::elapsed);
+        mixtures.or(learner).unwrap_or_default()
     }
 }
 
@@ -105,7 +134,7 @@ pub fn guiding(
     limits: &Limits,
 ) -> Result<Guiding, Failure> {
     if let Some(opened) = opened {
-        let guide = to_guide(&opened.file);
+        let guide = to_guide(&opened.file).with_mixture(args.mixture.0);
         tracing::info!(
             "guided by {}: {}, {}",
             opened.path.display(),
@@ -114,16 +143,30 @@ pub fn guiding(
         );
         return Ok(Guiding {
             kept: Some(guide),
-            learner: None,
+            ..Guiding::default()
         });
     }
     if args.guide.unwrap_or(Way::None) == Way::None {
         return Ok(Guiding::default());
     }
-    let photons = overrides::photons_for(&args.learn, view.film, limits);
-    let settings = overrides::learn_settings(&args.learn, view.settings, photons)?;
+    let photons = match args.guide {
+        Some(Way::Gmm) => Budget::Exactly {
+            photons: args.learn.photons.unwrap_or(learn_gmm::PHOTONS),
+            batches: args.learn.batches,
+        },
+        _ => overrides::photons_for(&args.learn, view.film, limits),
+    };
+    let mut settings = overrides::learn_settings(&args.learn, view.settings, photons)?;
+    settings.mixture = args.mixture.0;
     if view.scene.lights.is_empty() {
         return Ok(Guiding::default());
+    }
+    if !view.scene.surfaces.scatter() {
+        tracing::info!("nothing in the scene is rough: no field is learned");
+        return Ok(Guiding::default());
+    }
+    if args.guide == Some(Way::Gmm) {
+        return mixtures(args, view, &settings);
     }
     let learner = Learner::new(view, &settings)?;
     let counts = learner.counts();
@@ -135,8 +178,36 @@ pub fn guiding(
     );
     warn_of_invalid_photons(&counts);
     Ok(Guiding {
-        kept: None,
         learner: Some(learner),
+        ..Guiding::default()
+    })
+}
+
+/// Learns mixtures.
+fn mixtures(args: &GuideArgs, view: &View, settings: &LearnSettings) -> Result<Guiding, Failure> {
+    if args.learn.train == Teachers::Paths || settings.photons.is_none() {
+        let message = "--guide gmm learns from photons alone";
+        let help = "leave \"--train paths\" away, and give --photons a number above 0";
+        return Err(Failure::wrong(message, help));
+    }
+    if args.learn.guide_model == GuideModel::Vmf {
+        let message = "--guide gmm has a model of its own";
+        let help = "leave --guide-model away, or take --guide double";
+        return Err(Failure::wrong(message, help));
+    }
+    let learned = learn_mixtures(view, settings)?;
+    tracing::info!(
+        "learned from {} photons ({} landings) in {}: {} mixtures, {}",
+        words::count(learned.counts.emitted as f64),
+        words::count(learned.counts.landings as f64),
+        words::time(learned.elapsed.as_secs_f64()),
+        words::count(learned.mixtures.len() as f64),
+        words::bytes(learned.mixtures.bytes()),
+    );
+    warn_of_invalid_photons(&learned.counts);
+    Ok(Guiding {
+        mixtures: Some(learned),
+        ..Guiding::default()
     })
 }
 

@@ -1,7 +1,8 @@
 //! From the command line's scene to a description, for every subcommand alike.
 
-use super::args::{Accel, AccelBuild, PictureArgs, SceneArgs};
+use super::args::{Accel, AccelBuild, PictureArgs, RayArgs, SceneArgs};
 use super::scene_args::{StudioArgs, UpAxis};
+use super::values::Definition;
 use super::{Failure, budget, memory, threads};
 use crate::accel::{Backend, BuildQuality, BuildSettings};
 use crate::report::scene::{TextureTotals, triangles};
@@ -10,6 +11,8 @@ use crate::scene::fingerprint::fingerprint;
 use crate::scene::import::models::{self, ModelKind, ModelOptions, ModelSource};
 use crate::scene::import::studio::{Sky, Studio};
 use crate::scene::import::{ImportOptions, mitsuba};
+use crate::scene::precautions::watertight_edges;
+use crate::scene::spare::{self, Trimmed};
 use crate::scene::{Description, Scene};
 use crate::texture::TextureStore;
 use std::path::{Path, PathBuf};
@@ -21,6 +24,8 @@ pub struct Loaded {
     /// The scene.
     pub description: Description,
     textures: Arc<TextureStore>,
+    /// Buffers of meshes that nothing reads and that were given back.
+    pub trimmed: Trimmed,
 }
 
 impl Loaded {
@@ -46,13 +51,10 @@ impl Loaded {
     ///
     /// # Errors
     /// When the scene cannot be used, or memory does not suffice.
-    pub fn build(
-        &mut self,
-        accel: Option<Accel>,
-        way: Option<AccelBuild>,
-    ) -> Result<Scene, Failure> {
+    pub fn build(&mut self, rays: &RayArgs) -> Result<Scene, Failure> {
         let start = Instant::now();
-        let backend = match accel {
+        let way = rays.accel_build;
+        let backend = match rays.accel {
             None => Backend::default(),
             Some(Accel::Embree) => Backend::Embree,
             Some(Accel::Obvhs) => Backend::Obvhs,
@@ -61,7 +63,8 @@ impl Loaded {
             triangles: triangles(&self.description),
             instances: self.description.instances.len() as u64,
         };
-        let chosen = budget::choose(way, backend, load, memory::available_bytes())?;
+        let available = memory::available_bytes();
+        let chosen = budget::choose(way, backend, load, available)?;
         if chosen == AccelBuild::Compact && way.is_none() {
             tracing::info!("memory is short: the ray tracer's trees are built small");
         }
@@ -72,8 +75,9 @@ impl Loaded {
                 AccelBuild::High => BuildQuality::High,
             },
             compact: chosen == AccelBuild::Compact,
+            robust: rays.robust || watertight_edges(&self.description).on,
             threads: threads::count(),
-            ..BuildSettings::default()
+            memory: available.map_or(0, |bytes| usize::try_from(bytes).unwrap_or(0)),
         };
         let scene = Scene::build(&mut self.description, settings, backend)?;
         tracing::debug!(
@@ -152,7 +156,22 @@ impl Input {
     }
 }
 
+/// Texels that are held where nobody says how many.
+const TEXTURE_MEMORY: usize = 2 << 30;
+
 impl SceneArgs {
+    /// A scene of a name, for commands that take a scene by an option.
+    pub fn of(scene: &Path, define: &[Definition], lenient: bool) -> Self {
+        Self {
+            files: vec![scene.into()],
+            studio: StudioArgs::default(),
+            define: define.to_vec(),
+            lenient,
+            texture_memory: TEXTURE_MEMORY,
+            half_textures: false,
+        }
+    }
+
     /// What was asked for, in the words of who asked.
     pub fn title(&self) -> String {
         let words: Vec<_> = self.files.iter().map(|f| f.to_string_lossy()).collect();
@@ -221,7 +240,7 @@ fn load_in(
     studio: &StudioArgs,
     picture: Option<&PictureArgs>,
 ) -> Result<Loaded, Failure> {
-    let textures = Arc::new(TextureStore::new(args.texture_memory));
+    let textures = Arc::new(TextureStore::new(args.texture_memory).in_halves(args.half_textures));
     let mut options = ImportOptions::new(textures.clone());
     options.lenient = args.lenient;
     options.defines = args
@@ -229,17 +248,42 @@ fn load_in(
         .iter()
         .map(|d| (d.name.clone(), d.value.clone()))
         .collect();
-    let description = match input {
+    let mut description = match input {
         Input::Scene(path) => mitsuba::load(path, &options)?,
         Input::Models(sources) => load_models(sources, studio, &options, picture)?,
     };
     for warning in &description.warnings {
         tracing::warn!("{warning}");
     }
+    advise_on_textures(&textures);
+    let trimmed = spare::trim(&mut description);
+    if trimmed.uv_bytes + trimmed.attribute_bytes > 0 {
+        tracing::debug!(
+            "nothing reads {} of texture coordinates and {} of attributes",
+            words::bytes(trimmed.uv_bytes),
+            words::bytes(trimmed.attribute_bytes)
+        );
+    }
     Ok(Loaded {
         description,
         textures,
+        trimmed,
     })
+}
+
+/// Says what would help where images had to be put on disk.
+fn advise_on_textures(textures: &TextureStore) {
+    let (count, bytes) = textures.spilled();
+    if count == 0 {
+        return;
+    }
+    let images = if count == 1 { "image" } else { "images" };
+    tracing::warn!(
+        "{count} {images} ({}) beyond --texture-memory {}: not tiled, so the texels were put on disk; \
+         maketx (openimageio-tools) makes .tx files, which are read in pieces",
+        words::bytes(bytes as u64),
+        words::bytes(textures.budget_bytes() as u64)
+    );
 }
 
 fn load_models(

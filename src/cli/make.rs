@@ -25,21 +25,8 @@ fn mesh(args: &MakeMeshArgs) -> Result<(), Failure> {
         let message = format!("{} does not end with .ply", args.output.display());
         return Err(Failure::wrong(message, "meshes are written as PLY"));
     }
-    let kind = match args.kind {
-        MeshShape::Terrain => Kind::Terrain,
-        MeshShape::DragonCurve => Kind::DragonCurve,
-        MeshShape::SphereFlake => Kind::SphereFlake,
-        MeshShape::TorusKnot => Kind::TorusKnot,
-    };
-    let pattern = Pattern::new(kind, args.triangles);
-    let (vertices, triangles) = (pattern.vertices(), pattern.triangles());
-    if vertices.max(triangles) >= u64::from(u32::MAX) {
-        let message = format!("{triangles} triangles are too many for one mesh");
-        return Err(Failure::wrong(
-            message,
-            "ask for fewer than 4G with --triangles",
-        ));
-    }
+    let pattern = Pattern::new(kind_of(args.kind), args.triangles);
+    check_size(&pattern)?;
     atomic::replace(&args.output, |file| {
         write_ply(&pattern, file).map_err(|e| e.to_string())
     })
@@ -47,7 +34,32 @@ fn mesh(args: &MakeMeshArgs) -> Result<(), Failure> {
     console::print_result(&format!(
         "{}: {} triangles, {} vertices\n",
         args.output.display(),
-        words::count(triangles as f64),
-        words::count(vertices as f64)
+        words::count(pattern.triangles() as f64),
+        words::count(pattern.vertices() as f64)
+    ))
+}
+
+/// The shape that a word names.
+pub fn kind_of(shape: MeshShape) -> Kind {
+    match shape {
+        MeshShape::Terrain => Kind::Terrain,
+        MeshShape::DragonCurve => Kind::DragonCurve,
+        MeshShape::SphereFlake => Kind::SphereFlake,
+        MeshShape::TorusKnot => Kind::TorusKnot,
+    }
+}
+
+/// Refuses what 32 bits cannot number.
+///
+/// # Errors
+/// When there are too many triangles or vertices.
+pub fn check_size(pattern: &Pattern) -> Result<(), Failure> {
+    let (vertices, triangles) = (pattern.vertices(), pattern.triangles());
+    if vertices.max(triangles) < u64::from(u32::MAX) {
+        return Ok(());
+    }
+    Err(Failure::wrong(
+        format!("{triangles} triangles are too many for one mesh"),
+        "ask for fewer than 4G",
     ))
 }

@@ -1,9 +1,9 @@
 //! What can be typed for the commands that measure: `compare` and `bench`.
 
-use super::args::SceneArgs;
+use super::scene_args::{MeshShape, SceneArgs, StudioArgs};
 use super::values;
 use clap::{Args, Subcommand, ValueEnum};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `twintree compare`.
 #[derive(Args, Debug)]
@@ -64,7 +64,9 @@ pub struct LimitArgs {
 #[derive(Subcommand, Debug)]
 pub enum Bench {
     /// Build times, memory and rays a second of both ray tracers
-    Accel(BenchAccelArgs),
+    Accel(Box<BenchAccelArgs>),
+    /// How loading, building and tracing grow with the size of a mesh
+    Scale(BenchScaleArgs),
 }
 
 /// Arguments of `twintree bench accel`.
@@ -93,6 +95,59 @@ pub struct BenchAccelArgs {
     /// Write the numbers as JSON
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
+}
+
+/// Arguments of `twintree bench scale`.
+#[derive(Args, Debug)]
+pub struct BenchScaleArgs {
+    /// Triangles of the smallest mesh
+    #[arg(long, value_name = "N", default_value = "1k", value_parser = values::amount)]
+    pub least: u64,
+    /// Triangles of the largest mesh, such as 64M; each is four times the one before
+    #[arg(long, value_name = "N", default_value = "4M", value_parser = values::amount)]
+    pub most: u64,
+    /// Shape of the meshes
+    #[arg(long, value_name = "SHAPE", default_value = "terrain")]
+    pub kind: MeshShape,
+    /// Ray tracers to measure [default: all there are]
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub accel: Vec<super::args::Accel>,
+    /// Rays of each kind
+    #[arg(long, value_name = "N", default_value_t = 1 << 18, value_parser = clap::value_parser!(u32).range(1024..=1 << 24))]
+    pub rays: u32,
+    /// Seconds for each rate: the rays are traced again and again, and the median counts
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.3, value_parser = values::limit)]
+    pub seconds: f64,
+    /// Where the meshes are written while they are needed: 20 bytes a triangle [default: the system's
+    /// directory for temporary files]
+    #[arg(long, value_name = "DIRECTORY")]
+    pub directory: Option<PathBuf>,
+    /// Write the numbers as JSON
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Draw the curves
+    #[arg(long, value_name = "FILE.svg")]
+    pub svg: Option<PathBuf>,
+}
+
+impl BenchScaleArgs {
+    /// The word for the shape.
+    pub fn shape(&self) -> String {
+        let word = self.kind.to_possible_value();
+        word.map_or(String::new(), |w| w.get_name().to_owned())
+    }
+
+    /// A scene of one mesh.
+    pub fn scene_of(&self, mesh: &Path) -> SceneArgs {
+        SceneArgs {
+            files: vec![mesh.into()],
+            studio: StudioArgs::default(),
+            define: Vec::new(),
+            lenient: false,
+            texture_memory: 0,
+            half_textures: false,
+        }
+    }
 }
 
 /// How long to build, for how fast a tree.

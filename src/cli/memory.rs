@@ -15,6 +15,11 @@ pub fn available_bytes() -> Option<u64> {
     Some(bounds.into_iter().flatten().fold(system, u64::min))
 }
 
+/// Memory of the machine, bytes.
+pub fn total_bytes() -> Option<u64> {
+    kilobytes_of("/proc/meminfo", "MemTotal:")
+}
+
 fn kilobytes_of(file: &str, key: &str) -> Option<u64> {
     let text = std::fs::read_to_string(file).ok()?;
     let line = text.lines().find_map(|l| l.strip_prefix(key))?;

@@ -218,6 +218,10 @@ fn measure(parts: &[Known], film: &Film, partial: bool) -> Stats {
         accel_memory_bytes: 0,
         texture_memory_bytes: 0,
         triangles: first.triangles,
+        reference: None,
+        errors: Vec::new(),
+        field: None,
+        trial: None,
         warnings: Vec::new(),
     }
 }

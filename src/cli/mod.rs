@@ -11,6 +11,7 @@ pub mod check;
 pub mod checkpoint;
 pub mod compare;
 pub mod console;
+pub mod error_track;
 pub mod failure;
 pub mod farm;
 pub mod field;
@@ -33,9 +34,13 @@ pub mod overrides;
 pub mod part_args;
 pub mod preview;
 pub mod progress;
+pub mod quality;
 pub mod render;
 pub mod scene_args;
 pub mod single;
+pub mod sweep;
+pub mod sweep_args;
+pub mod table1;
 pub mod threads;
 pub mod train;
 pub mod values;
@@ -64,6 +69,8 @@ impl Cli {
             Command::Check(args) => check::run(args),
             Command::Make(args) => make::run(args),
             Command::Compare(args) => compare::run(args),
+            Command::Table1(args) => table1::run(args),
+            Command::Sweep(args) => sweep::run(args, self.threads),
             Command::Bench(what) => bench::run(what),
             Command::Generate(args) => generate::run(args),
         }

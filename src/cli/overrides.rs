@@ -1,14 +1,14 @@
 //! What the command line changes about a scene.
 
 use super::args::{LightArgs, PictureArgs, RFilter, RenderArgs, Sampler, StopArgs};
-use super::field_args::{GuideModel, LearnArgs, Teachers};
+use super::field_args::{GuideArgs, GuideModel, LearnArgs, RouletteBy, Teachers};
 use super::{Failure, memory};
 use crate::film::filter::Filter;
 use crate::film::{FilmDescription, Pixel};
 use crate::guide::ModelKind;
-use crate::integrate::PathSettings;
 use crate::integrate::learn::LearnSettings;
 use crate::integrate::render::Limits;
+use crate::integrate::{PathSettings, Roulette};
 use crate::photon::PhotonSettings;
 use crate::photon::schedule::Budget;
 use crate::scene::Description;
@@ -121,6 +121,7 @@ pub fn path_settings(args: &LightArgs, scene: &RenderDescription) -> PathSetting
     PathSettings {
         max_depth: max_depth.unwrap_or(u32::MAX),
         rr_depth: args.rr_depth.unwrap_or(scene.rr_depth),
+        roulette: Roulette::default(),
         hide_emitters: args.hide_emitters || scene.hide_emitters,
         strict_normals: args.strict_normals || scene.strict_normals,
         sampler: match args.sampler {
@@ -132,8 +133,23 @@ pub fn path_settings(args: &LightArgs, scene: &RenderDescription) -> PathSetting
     }
 }
 
+/// How paths of a render are traced, guided ones too.
+pub fn guided_path_settings(args: &RenderArgs, scene: &RenderDescription) -> PathSettings {
+    PathSettings {
+        roulette: roulette(&args.guide),
+        ..path_settings(&args.light, scene)
+    }
+}
+
+fn roulette(args: &GuideArgs) -> Roulette {
+    match args.roulette {
+        RouletteBy::Field => Roulette::Field,
+        RouletteBy::Throughput => Roulette::Throughput,
+    }
+}
+
 /// Most scatterings of a photon where paths are unlimited: roulette has ended nearly all by then.
-const UNLIMITED_BOUNCES: u32 = 1000;
+pub const UNLIMITED_BOUNCES: u32 = 1000;
 
 /// Photons that a field is learned from where no image says how many it is worth.
 pub const PHOTONS: u64 = 500_000;
@@ -197,6 +213,7 @@ pub fn learn_settings(
             GuideModel::Constant => ModelKind::Constant,
             GuideModel::Vmf => ModelKind::Vmf,
         },
+        mixture: None,
     })
 }
 

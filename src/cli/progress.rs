@@ -2,6 +2,7 @@
 
 use super::checkpoint::Checkpoint;
 use super::console::Console;
+use super::error_track::ErrorTrack;
 use super::interrupt::Interrupt;
 use super::preview::Tev;
 use crate::film::Film;
@@ -25,6 +26,7 @@ const LONGEST_SILENCE: Duration = Duration::from_secs(10);
 pub struct Watch<'a> {
     interrupt: &'a Interrupt,
     checkpoint: Option<&'a Checkpoint>,
+    track: Option<&'a ErrorTrack>,
     /// Time and samples of earlier goes.
     before: (Duration, u64),
     limits: Limits,
@@ -69,6 +71,7 @@ impl<'a> Watch<'a> {
         Self {
             interrupt,
             checkpoint,
+            track: None,
             before: (before, film.samples_done()),
             limits,
             pixels: film.held_pixels().max(1),
@@ -82,6 +85,11 @@ impl<'a> Watch<'a> {
             }),
             preview: Mutex::new(preview),
         }
+    }
+
+    /// Measures errors along the way, if there is a reference.
+    pub fn measuring(self, track: Option<&'a ErrorTrack>) -> Self {
+        Self { track, ..self }
     }
 
     /// Shows the last image and takes the bar away.
@@ -166,6 +174,9 @@ impl Observer for Watch<'_> {
         }
         self.show();
         self.show_image(film, false);
+        if let Some(track) = self.track {
+            track.pass_done(progress, film);
+        }
     }
 
     fn tile_done(&self, samples: u64) {
@@ -175,6 +186,10 @@ impl Observer for Watch<'_> {
 
     fn should_stop(&self) -> bool {
         self.interrupt.requested()
+    }
+
+    fn time_aside(&self) -> Duration {
+        self.track.map_or(Duration::ZERO, ErrorTrack::time_taken)
     }
 
     fn should_pause(&self) -> bool {

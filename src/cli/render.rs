@@ -3,6 +3,7 @@
 use super::args::RenderArgs;
 use super::checkpoint::Checkpoint;
 use super::console::Console;
+use super::error_track::ErrorTrack;
 use super::finish::Done;
 use super::identity::{self, Subject};
 use super::interrupt::Interrupt;
@@ -35,6 +36,7 @@ struct Setting<'a> {
     view: View<'a>,
     limits: Limits,
     checkpoint: Option<&'a Checkpoint>,
+    track: Option<&'a ErrorTrack>,
     /// What earlier goes have cost.
     before: Spent,
 }
@@ -60,12 +62,10 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
     if let (Some(field), Some(scene)) = (&field, fingerprint) {
         field.check(scene, args.guide.any_scene)?;
     }
-    let scene = timed(&mut times.build, || {
-        loaded.build(args.accel, args.accel_build)
-    })?;
+    let scene = timed(&mut times.build, || loaded.build(&args.rays))?;
     let description = &loaded.description;
     let (width, height) = (description.film.width, description.film.height);
-    let settings = overrides::path_settings(&args.light, &description.render);
+    let settings = overrides::guided_path_settings(args, &description.render);
     let limits = overrides::limits(&args.stop, &description.render);
     let camera = Camera::new(&description.camera, width, height);
     let plain = View {
@@ -81,6 +81,10 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
         identity::record(args, &subject, &limits)
     });
     let mut film = identity::film(args, &description.film)?;
+    let track = match &args.reference {
+        Some(path) => Some(ErrorTrack::against(path, &description.film)?),
+        None => None,
+    };
     let checkpoint = Checkpoint::wanted(&args.parts, outputs.first(), record.as_ref());
     let Some(before) = go_on(args, &outputs, checkpoint.as_ref(), &mut film)? else {
         return Ok(());
@@ -88,26 +92,26 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
     let mut guiding = timed(&mut times.train, || {
         learning::guiding(&args.guide, field, &plain, &limits)
     })?;
-    let photons = guiding
-        .learner
-        .as_ref()
-        .map_or(Duration::ZERO, Learner::elapsed);
+    let photons = guiding.elapsed();
+    let mut learner = guiding.learner.take();
     let setting = Setting {
         view: View {
-            guide: guiding.kept.as_ref(),
+            guide: guiding.prepared(),
             ..plain
         },
         limits,
         checkpoint: checkpoint.as_ref(),
+        track: track.as_ref(),
         before: Spent {
             time: before.time + photons,
             ..before
         },
     };
-    let learner = guiding.learner.as_mut();
+    let learning = learner.as_mut();
     let summary = trace(
-        args, console, &interrupt, &outputs, &setting, learner, &mut film,
+        args, console, &interrupt, &outputs, &setting, learning, &mut film,
     );
+    guiding.learner = learner;
     if let Some(learner) = &guiding.learner {
         learning::describe(learner);
         times.train = learner.elapsed().as_secs_f64();
@@ -115,7 +119,12 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
     let mut stats = measure(args, &scene, &loaded, &film, &summary);
     (stats.triangles, stats.load_seconds) = (triangles, times.load);
     (stats.build_seconds, stats.train_seconds) = (times.build, times.train);
-    stats.field_memory_bytes = guiding.guide().map_or(0, |g| g.field.bytes());
+    stats.field_memory_bytes = guiding.bytes();
+    if let Some(track) = track {
+        track.finish(&film, &summary, &mut stats);
+    }
+    stats.field = guiding.learner.as_ref().map(Learner::stats);
+    stats.trial = guiding.learner.as_ref().and_then(Learner::verdict);
     tracing::info!("{}", stats.sentence());
     invalid::warn(&film);
     let done = Done {
@@ -198,8 +207,9 @@ fn trace(
     );
     let limits = setting.limits;
     let goes = (setting.checkpoint, setting.before.time);
-    let watch = Watch::start(interrupt, console, limits, film, preview, goes);
     interrupt.be_patient();
+    let watch = Watch::start(interrupt, console, limits, film, preview, goes);
+    let watch = watch.measuring(setting.track);
     let summary = resume(
         &setting.view,
         learner,
@@ -252,6 +262,10 @@ fn measure(
         accel_memory_bytes: scene.rays.memory_bytes() as u64,
         texture_memory_bytes: loaded.textures().bytes,
         triangles: 0,
+        reference: None,
+        errors: Vec::new(),
+        field: None,
+        trial: None,
         warnings: loaded.description.warnings.clone(),
     }
 }

@@ -26,7 +26,7 @@ pub fn run(args: &RenderArgs, pixel: [u32; 2]) -> Result<(), Failure> {
     check_pixel(&loaded.description.film, pixel)?;
     let shapes = loaded.description.shapes.iter();
     let names: Vec<String> = shapes.map(|s| s.name.clone()).collect();
-    let scene = loaded.build(args.accel, args.accel_build)?;
+    let scene = loaded.build(&args.rays)?;
     let description = &loaded.description;
     let film = &description.film;
     let settings = overrides::path_settings(&args.light, &description.render);
@@ -45,7 +45,10 @@ pub fn run(args: &RenderArgs, pixel: [u32; 2]) -> Result<(), Failure> {
         teach_until(&plain, learner, limits.spp, sample);
     }
     let view = View {
-        guide: guiding.guide(),
+        guide: match &guiding.learner {
+            Some(learner) => learner.worthwhile_guide().map(Into::into),
+            None => guiding.prepared(),
+        },
         ..plain
     };
     let traced = trace_sample(&view, pixel, sample);

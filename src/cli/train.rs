@@ -1,5 +1,6 @@
 //! `twintree train`: from a scene to a field file.
 
+use super::args::RayArgs;
 use super::field_args::TrainArgs;
 use super::learning::{self, Opened};
 use super::load::Input;
@@ -29,7 +30,10 @@ pub fn run(args: &TrainArgs) -> Result<(), Failure> {
     if let Some(base) = &base {
         base.check(fingerprint, false)?;
     }
-    let scene = loaded.build(args.accel, None)?;
+    let scene = loaded.build(&RayArgs {
+        accel: args.accel,
+        ..RayArgs::default()
+    })?;
     if scene.lights.is_empty() {
         let help = "add an emitter to the scene";
         let message = "nothing shines: there is nothing to learn";

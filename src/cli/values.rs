@@ -91,6 +91,27 @@ impl FromStr for Definition {
     }
 }
 
+/// How often directions are drawn from a field.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mixture(
+    /// Share of the directions, within 0.1 and 0.9; `None` is learned.
+    pub Option<f32>,
+);
+
+impl FromStr for Mixture {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == "learned" {
+            return Ok(Self(None));
+        }
+        match text.parse::<f32>() {
+            Ok(share) if (0.1..=0.9).contains(&share) => Ok(Self(Some(share))),
+            _ => Err("expected a number from 0.1 to 0.9, or \"learned\"".into()),
+        }
+    }
+}
+
 /// A pixel of a film.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pixel {

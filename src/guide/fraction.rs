@@ -112,6 +112,15 @@ impl Fractions {
         }
     }
 
+    /// The same share everywhere, within [`FLOOR`] and 1 - [`FLOOR`].
+    pub fn fixed(field: &Field, share: f32) -> Self {
+        let cells = field.cell_count() as usize;
+        Self {
+            cells: vec![Adam::default(); cells],
+            shares: vec![share.clamp(FLOOR, 1.0 - FLOOR); cells],
+        }
+    }
+
     /// The fractions for a field that refines the one they were learned for: every cell starts with what
     /// the cell that it was part of has learned.
     pub fn carried_over(&self, from: &Field, to: &Field) -> Self {

@@ -156,6 +156,7 @@ mod field;
 mod file;
 mod fraction;
 mod freeze;
+pub mod gmm;
 mod importance;
 mod ledger;
 mod links;

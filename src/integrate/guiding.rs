@@ -6,7 +6,8 @@
 //! shapes densities only: whatever it says, the expected image is the same.
 
 use crate::bsdf::{Bsdf, BsdfSample, LobeFlags, Transport};
-use crate::guide::{Field, Fractions, LocalField};
+use crate::guide::gmm::{LocalMixture, Mixtures};
+use crate::guide::{Field, Fractions, GuideSample, LocalField};
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::texture::SurfacePoint;
 use std::f32::consts::FRAC_1_PI;
@@ -23,9 +24,54 @@ pub struct Guide {
     pub fractions: Fractions,
 }
 
+/// What guides paths: one of the representations of the light field.
+#[derive(Clone, Copy, Debug)]
+pub enum Guidance<'a> {
+    /// The double hierarchy.
+    Double(&'a Guide),
+    /// Cached Gaussian mixtures, trusted half of the time everywhere.
+    Gmm(&'a Mixtures),
+}
+
+impl<'a> From<&'a Guide> for Guidance<'a> {
+    fn from(guide: &'a Guide) -> Self {
+        Self::Double(guide)
+    }
+}
+
+impl<'a> From<&'a Mixtures> for Guidance<'a> {
+    fn from(mixtures: &'a Mixtures) -> Self {
+        Self::Gmm(mixtures)
+    }
+}
+
+/// A field at one vertex.
+enum Local<'a> {
+    Double(LocalField<'a>),
+    Gmm(LocalMixture<'a>),
+}
+
+impl Local<'_> {
+    #[inline]
+    fn pdf(&self, wi: Vec3) -> f32 {
+        match self {
+            Self::Double(field) => field.pdf(wi),
+            Self::Gmm(mixture) => mixture.pdf(wi),
+        }
+    }
+
+    #[inline]
+    fn sample(&self, select: Vec2, u: Vec2) -> GuideSample {
+        match self {
+            Self::Double(field) => field.sample(select, u),
+            Self::Gmm(mixture) => mixture.sample(select.x, u),
+        }
+    }
+}
+
 /// The field at one vertex.
 pub struct GuidedVertex<'a> {
-    local: LocalField<'a>,
+    local: Local<'a>,
     /// Probability of drawing from the field.
     fraction: f32,
     /// Radiance that the surface is expected to reflect, if it were matt.
@@ -55,6 +101,24 @@ impl Guide {
         Self { field, fractions }
     }
 
+    /// The same, drawing from the field with this probability everywhere, if one is given.
+    pub fn with_mixture(self, share: Option<f32>) -> Self {
+        let fractions = match share {
+            Some(share) => Fractions::fixed(&self.field, share),
+            None => self.fractions,
+        };
+        Self {
+            fractions,
+            field: self.field,
+        }
+    }
+}
+
+/// How often mixtures are trusted: the fraction that the double hierarchy has, too, before camera paths
+/// have taught it a better one.
+const TRUST: f32 = 0.5;
+
+impl<'a> Guidance<'a> {
     /// What the field says at a vertex, or nothing where it should not be asked: no smooth lobe, a
     /// lobe too narrow, no light known.
     #[inline]
@@ -64,10 +128,35 @@ impl Guide {
         bsdf: &Bsdf,
         wo: Vec3,
         throughput: Rgb,
-    ) -> Option<GuidedVertex<'_>> {
+    ) -> Option<GuidedVertex<'a>> {
         if !is_guidable(bsdf) {
             return None;
         }
+        let (local, irradiance, fraction) = match self {
+            Self::Double(guide) => guide.ask(point, bsdf, wo, throughput)?,
+            Self::Gmm(mixtures) => {
+                let mixture = mixtures.at(point.p, facing(point, wo))?;
+                (Local::Gmm(mixture), mixture.irradiance(), TRUST)
+            }
+        };
+        Some(GuidedVertex {
+            local,
+            fraction,
+            reflected: bsdf.albedo() * irradiance * FRAC_1_PI,
+        })
+    }
+}
+
+impl Guide {
+    /// The field at a vertex, the irradiance there and how often to trust it; nothing without light.
+    #[inline]
+    fn ask(
+        &self,
+        point: &SurfacePoint,
+        bsdf: &Bsdf,
+        wo: Vec3,
+        throughput: Rgb,
+    ) -> Option<(Local<'_>, Rgb, f32)> {
         let horizon = bsdf.light_normal(wo);
         let horizon = (horizon != Vec3::ZERO).then_some(horizon);
         let local = self
@@ -77,12 +166,8 @@ impl Guide {
             return None;
         }
         let fraction = self.fractions.fraction(local.cell());
-        let reflected = bsdf.albedo() * local.irradiance() * FRAC_1_PI;
-        Some(GuidedVertex {
-            local,
-            fraction,
-            reflected,
-        })
+        let irradiance = local.irradiance();
+        Some((Local::Double(local), irradiance, fraction))
     }
 }
 

@@ -16,13 +16,18 @@ const LOOK: u64 = 0x2545_f491_4f6c_dd1d;
 
 /// Where unguided paths of the view scatter, on the sides that light reaches them from.
 pub fn met_by_camera(view: &View) -> Vec<SurfacePoint> {
+    met_by(view, PATHS)
+}
+
+/// The same by a number of paths.
+pub fn met_by(view: &View, paths: u64) -> Vec<SurfacePoint> {
     let mut settings = view.settings.clone();
     settings.seed ^= LOOK;
     let view = View {
         settings: &settings,
         ..*view
     };
-    let points = lessons(&view, None, 0..PATHS).samples.into_iter();
+    let points = lessons(&view, None, 0..paths).samples.into_iter();
     points
         .map(|s| SurfacePoint {
             position: s.position,

@@ -50,6 +50,8 @@ pub struct LearnSettings {
     pub photon: PhotonSettings,
     /// The model on each link.
     pub model: ModelKind,
+    /// Share of the directions that are drawn from the field everywhere; `None` learns it.
+    pub mixture: Option<f32>,
 }
 
 /// What learning came to.
@@ -72,6 +74,7 @@ pub struct Learned {
 pub struct Learner {
     trainer: Trainer,
     guide: Guide,
+    mixture: Option<f32>,
     paths: u64,
     taught: u64,
     counts: PhotonCounts,
@@ -106,8 +109,9 @@ impl Learner {
             });
         }
         Ok(Self {
-            guide: Guide::new(trainer.freeze()),
+            guide: Guide::new(trainer.freeze()).with_mixture(settings.mixture),
             trainer,
+            mixture: settings.mixture,
             paths: settings.paths,
             taught: 0,
             counts,
@@ -148,12 +152,14 @@ impl Learner {
         self.taught = self.taught.saturating_add(paths);
         self.trainer.train_paths(&lessons.samples);
         self.trainer.refine_rounds(ROUNDS);
-        self.guide
-            .fractions
-            .update(&self.guide.field, &lessons.fractions);
+        if self.mixture.is_none() {
+            self.guide
+                .fractions
+                .update(&self.guide.field, &lessons.fractions);
+        }
         let field = self.trainer.freeze();
         let fractions = self.guide.fractions.carried_over(&self.guide.field, &field);
-        self.guide = Guide { field, fractions };
+        self.guide = Guide { field, fractions }.with_mixture(self.mixture);
         self.elapsed += start.elapsed();
     }
 
@@ -230,7 +236,7 @@ fn prepare(scene: &Scene, settings: &LearnSettings) -> Result<Trainer, GuideErro
 pub(super) fn lessons(view: &View, guide: Option<&Guide>, range: Range<u64>) -> Lessons {
     let starts: Vec<u64> = range.clone().step_by(WAVE_PATHS as usize).collect();
     let walk = Walk {
-        guide,
+        guide: guide.map(Into::into),
         ..view.walk()
     };
     let waves: Vec<_> = starts

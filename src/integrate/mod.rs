@@ -15,6 +15,7 @@ pub mod guiding;
 pub mod importance;
 pub mod inspect;
 pub mod learn;
+pub mod learn_gmm;
 pub mod probe;
 pub mod record;
 pub mod render;
@@ -29,6 +30,7 @@ mod tests;
 
 use crate::math::PathSampler;
 use crate::scene::description::SamplerKind;
+pub use roulette::Roulette;
 
 /// How paths are traced.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,6 +39,8 @@ pub struct PathSettings {
     pub max_depth: u32,
     /// Russian roulette starts at this depth.
     pub rr_depth: u32,
+    /// What roulette goes by where a field guides.
+    pub roulette: Roulette,
     /// The camera itself does not see emitters.
     pub hide_emitters: bool,
     /// Drop light that crosses a surface by its shading normal only.

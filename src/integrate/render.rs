@@ -1,7 +1,7 @@
 //! The loop around everything: passes of samples over tiles of the film, until enough.
 
 use super::PathSettings;
-use super::guiding::Guide;
+use super::guiding::Guidance;
 use super::learn::Learner;
 use super::record::Witness;
 use super::teach::teach;
@@ -58,6 +58,8 @@ pub struct Progress {
     pub spp_limit: u64,
     /// Samples taken over the whole film.
     pub samples: u64,
+    /// Rays traced, shadow rays included.
+    pub rays: u64,
     /// Time since rendering began.
     pub elapsed: Duration,
     /// Noise, once there are enough samples to tell.
@@ -78,6 +80,11 @@ pub trait Observer: Sync {
     /// [`Observer::paused`] sees a film that nobody is at. It then goes on where it was.
     fn should_pause(&self) -> bool {
         false
+    }
+    /// Time that [`Observer::pass_done`] has kept the render waiting for matters of its own: it does not
+    /// count as rendering.
+    fn time_aside(&self) -> Duration {
+        Duration::ZERO
     }
     /// The render has halted.
     fn paused(&self, spent: &Spent, film: &Film) {
@@ -129,7 +136,7 @@ pub struct View<'a> {
     /// How paths are traced.
     pub settings: &'a PathSettings,
     /// A learned field, to guide by.
-    pub guide: Option<&'a Guide>,
+    pub guide: Option<Guidance<'a>>,
 }
 
 impl<'a> View<'a> {
@@ -164,14 +171,14 @@ pub fn resume(
     observer: &dyn Observer,
 ) -> Summary {
     let start = Instant::now();
-    let elapsed = || before.time + start.elapsed();
+    let elapsed = || before.time + start.elapsed().saturating_sub(observer.time_aside());
     let job = Job::new(view, observer, before.rays);
     if let Some(learner) = learner.as_deref_mut() {
         teach(&job, learner, film, limits, &elapsed);
     }
     let job = Job {
         view: View {
-            guide: learner.map_or(view.guide, |l| l.worthwhile_guide()),
+            guide: learner.map_or(view.guide, |l| l.worthwhile_guide().map(Into::into)),
             ..*view
         },
         ..job
@@ -203,6 +210,7 @@ pub fn resume(
             spp,
             spp_limit: limits.spp,
             samples: film.samples_done(),
+            rays: job.spent(elapsed()).rays,
             elapsed: elapsed(),
             noise,
         };

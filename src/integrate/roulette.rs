@@ -19,6 +19,16 @@ const CERTAIN_SHARE: f32 = 1.0 / 3.0;
 /// The field may be wrong: no guided path ends more often than nine times in ten.
 const MIN_SURVIVAL: f32 = 0.1;
 
+/// What the chance of a guided path to go on is decided by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Roulette {
+    /// What the field expects the path to bring.
+    #[default]
+    Field,
+    /// The throughput, as without a field.
+    Throughput,
+}
+
 /// Chance to go on by throughput.
 #[inline]
 pub fn by_throughput(path: &Path) -> f32 {

@@ -50,6 +50,7 @@ pub(super) fn teach(
             spp: film.spp_done(),
             spp_limit: limits.spp,
             samples: film.samples_done(),
+            rays: job.spent(elapsed()).rays,
             elapsed: elapsed(),
             noise: film.noise(),
         };
@@ -78,7 +79,7 @@ fn pass(
     stride: u32,
 ) -> Option<Lessons> {
     let walk = Walk {
-        guide: Some(guide),
+        guide: Some(guide.into()),
         ..job.view.walk()
     };
     let tiles: Vec<Option<Lessons>> = film

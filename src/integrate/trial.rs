@@ -112,7 +112,7 @@ fn half(job: &Job, film: &FilmDescription, guide: Option<&Guide>) -> (Vec<Tile>,
     };
     let mut film = Film::shard(film, shard);
     let walk = Walk {
-        guide,
+        guide: guide.map(Into::into),
         ..job.view.walk()
     };
     let before = job.rays();

@@ -1,10 +1,10 @@
 //! One vertex of a camera path.
 
-use super::PathSettings;
-use super::guiding::{Guide, GuidedVertex, facing, is_guidable};
+use super::guiding::{Guidance, GuidedVertex, facing, is_guidable};
 use super::record::{Departure, Onward, Witness};
 use super::roulette;
 use super::wave::{FirstHit, Outcome, Path};
+use super::{PathSettings, Roulette};
 use crate::accel::{Hit, Ray};
 use crate::bsdf::{Bsdf, BsdfSample, LobeFlags, Transport};
 use crate::math::mis::power_heuristic;
@@ -51,7 +51,7 @@ pub struct Walk<'a> {
     /// How paths are traced.
     pub settings: &'a PathSettings,
     /// A learned field, to guide by.
-    pub guide: Option<&'a Guide>,
+    pub guide: Option<Guidance<'a>>,
 }
 
 /// Handles what `ray` met: adds emission to `outcome`, samples a light, samples the BSDF (and the field,
@@ -313,12 +313,12 @@ fn go_on(
     }
     path.eta *= sample.eta;
     let survival = match guided {
-        Some(guided) => {
+        Some(guided) if settings.roulette == Roulette::Field => {
             let coming = (before * guided.reflected()).element_sum();
             roulette::by_field(path, coming, so_far)
         }
-        None if path.depth >= settings.rr_depth => roulette::by_throughput(path),
-        None => 1.0,
+        _ if path.depth >= settings.rr_depth => roulette::by_throughput(path),
+        _ => 1.0,
     };
     if u_roulette >= survival {
         return None;

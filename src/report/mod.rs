@@ -3,10 +3,15 @@
 pub mod accel;
 pub mod compare;
 pub mod field;
+pub mod left_out;
 pub mod names;
+pub mod scale;
+pub mod scale_plot;
 pub mod scene;
 pub mod stats;
+pub mod sweep;
 pub mod table;
+pub mod table1;
 pub mod words;
 
 /// Indented JSON with a line's end. Numbers that are not finite become `null`.

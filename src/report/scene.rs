@@ -1,8 +1,10 @@
 //! What is in a scene: `twintree info`.
 
+use super::left_out::LeftOut;
 use super::{names, words};
 use crate::film::FilmKind;
 use crate::scene::description::SamplerKind;
+use crate::scene::precautions::{Precaution, precautions};
 use crate::scene::{Description, Geometry, Mesh};
 use serde::Serialize;
 use std::collections::{BTreeMap, HashSet};
@@ -45,6 +47,10 @@ pub struct SceneReport {
     pub film: FilmReport,
     /// How the scene wants to be rendered.
     pub render: RenderReport,
+    /// What is done against rounding, and why.
+    pub precautions: Vec<Precaution>,
+    /// What the scene does without.
+    pub left_out: Vec<LeftOut>,
     /// What was odd: unsupported, unknown or replaced.
     pub warnings: Vec<String>,
 }
@@ -111,7 +117,7 @@ impl SceneReport {
                 .sum(),
             groups: description.groups,
             instances: description.instances.len(),
-            geometry_memory_bytes: meshes.iter().map(|m| mesh_bytes(m)).sum(),
+            geometry_memory_bytes: geometry_bytes(description),
             lights: by_type(&mut description.emitters.iter().map(names::emitter)),
             materials: by_type(&mut ids.map(|id| names::material(materials.get(id)))),
             textures: textures.count,
@@ -119,6 +125,8 @@ impl SceneReport {
             camera: names::camera(&description.camera.projection),
             film: film_report(description),
             render: render_report(description),
+            precautions: precautions(description),
+            left_out: Vec::new(),
             warnings: description.warnings.clone(),
         }
     }
@@ -184,6 +192,15 @@ impl SceneReport {
             // Writing to a string cannot fail.
             let _ = writeln!(text, "{name:<11}{value}");
         }
+        for precaution in &self.precautions {
+            let state = if precaution.on { "on" } else { "off" };
+            let (name, why) = (precaution.name, &precaution.why);
+            let _ = writeln!(text, "{:<11}{name} {state}: {why}", "precaution");
+        }
+        for (i, left) in self.left_out.iter().enumerate() {
+            let name = if i == 0 { "without" } else { "" };
+            let _ = writeln!(text, "{name:<11}{}", left.sentence());
+        }
         text
     }
 }
@@ -224,6 +241,11 @@ pub fn triangles(description: &Description) -> u64 {
         .sum()
 }
 
+/// Memory of all meshes, bytes.
+pub fn geometry_bytes(description: &Description) -> u64 {
+    meshes_of(description).iter().map(|m| mesh_bytes(m)).sum()
+}
+
 /// Triangles in the world: those of a group as often as it stands there.
 fn triangles_placed(description: &Description) -> u64 {
     let mut placements = vec![0u64; description.groups as usize];
@@ -247,7 +269,7 @@ fn triangles_placed(description: &Description) -> u64 {
 }
 
 /// The meshes, each once even where shapes share it.
-fn meshes_of(description: &Description) -> Vec<&Arc<Mesh>> {
+pub(super) fn meshes_of(description: &Description) -> Vec<&Arc<Mesh>> {
     let mut seen = HashSet::new();
     let shapes = description.shapes.iter();
     shapes

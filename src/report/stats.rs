@@ -1,7 +1,10 @@
 //! What a render came to: the `--stats` file and the sentence at the end.
 
+use super::table::number;
 use super::words;
-use serde::Serialize;
+use crate::guide;
+use crate::integrate::trial::Verdict;
+use serde::{Deserialize, Serialize};
 
 /// Measurements of a render. The field names are the keys of the `--stats` file, documented in the
 /// README; times are wall-clock seconds, memory is in bytes.
@@ -57,8 +60,35 @@ pub struct Stats {
     pub texture_memory_bytes: u64,
     /// Triangles of all meshes, instances counted once.
     pub triangles: u64,
+    /// The image that errors were measured against.
+    pub reference: Option<String>,
+    /// The error over time, against the reference.
+    pub errors: Vec<ErrorPoint>,
+    /// The field that was learned on the way, in numbers; `null` without one.
+    pub field: Option<guide::Stats>,
+    /// Whether guiding pays, where that was tried.
+    pub trial: Option<Verdict>,
     /// What was odd about the scene.
     pub warnings: Vec<String>,
+}
+
+/// The error at one moment of a render.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ErrorPoint {
+    /// Time of rendering, learning included, as `render_seconds`.
+    pub seconds: f64,
+    /// Time that processors spent on it; `null` where the system does not tell.
+    pub cpu_seconds: Option<f64>,
+    /// Samples a pixel.
+    pub spp: u64,
+    /// Rays traced, shadow rays included.
+    pub rays: u64,
+    /// Root of the mean squared difference.
+    pub rmse: f64,
+    /// Mean of (I - R)^2 / (R^2 + 0.01).
+    pub relmse: f64,
+    /// The same without the worst 0.1 % of the pixels.
+    pub relmse_trimmed: f64,
 }
 
 impl Stats {
@@ -78,8 +108,16 @@ impl Stats {
         let noise = self
             .noise
             .map_or(String::new(), |n| format!(", noise {n:.4}"));
+        let error = self.errors.last().map_or(String::new(), |e| {
+            format!(
+                ", RMSE {}, relMSE {} ({} trimmed)",
+                number(e.rmse),
+                number(e.relmse),
+                number(e.relmse_trimmed)
+            )
+        });
         format!(
-            "{why}: {} spp in {}{noise}, {} samples/s, {} rays/s",
+            "{why}: {} spp in {}{noise}{error}, {} samples/s, {} rays/s",
             self.spp,
             words::time(self.render_seconds),
             words::count(self.samples_per_second),

@@ -5,7 +5,7 @@ use crate::bsdf::{MaterialId, Materials};
 use crate::camera::CameraDescription;
 use crate::film::FilmDescription;
 use crate::light::Emitter;
-use crate::math::{DAffine3, Vec2, Vec3};
+use crate::math::{DAffine3, DVec3, Vec2, Vec3};
 use crate::texture::MeshAttributes;
 use std::sync::Arc;
 
@@ -107,6 +107,39 @@ pub struct Description {
     pub film: FilmDescription,
     /// How to render.
     pub render: RenderDescription,
+    /// The file's coordinates of what is the origin here: scenes far from theirs are moved.
+    pub origin: DVec3,
     /// What was odd but not fatal, each with its place.
     pub warnings: Vec<String>,
+}
+
+#[cfg(test)]
+impl Description {
+    /// Nothing, seen by a plain camera: for tests that put something in.
+    pub(crate) fn empty() -> Self {
+        Self {
+            shapes: Vec::new(),
+            groups: 0,
+            instances: Vec::new(),
+            materials: Materials::default(),
+            emitters: Vec::new(),
+            camera: CameraDescription {
+                to_world: DAffine3::IDENTITY,
+                projection: crate::camera::Projection::Orthographic,
+                near_clip: 1e-2,
+                far_clip: 1e4,
+            },
+            film: FilmDescription {
+                width: 4,
+                height: 4,
+                crop: None,
+                filter: crate::film::filter::Filter::Box { radius: 0.5 },
+                kind: crate::film::FilmKind::Hdr,
+                exposure: 0.0,
+            },
+            render: RenderDescription::default(),
+            origin: DVec3::ZERO,
+            warnings: Vec::new(),
+        }
+    }
 }

@@ -5,6 +5,8 @@ pub mod build;
 pub mod description;
 pub mod fingerprint;
 pub mod import;
+pub mod precautions;
+pub mod spare;
 pub mod surface;
 
 pub use build::{BuildError, Scene};

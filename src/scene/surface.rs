@@ -69,6 +69,12 @@ pub struct Surfaces {
 }
 
 impl Surfaces {
+    /// Whether any surface scatters to more than a few discrete directions.
+    pub fn scatter(&self) -> bool {
+        let scatters = |s: &Surface| self.materials.scatters(s.material);
+        self.list.iter().any(scatters)
+    }
+
     /// The point where `ray` met something. `footprint` is the width of the ray's cone there.
     #[inline]
     pub fn point(&self, ray: &Ray, hit: &Hit, footprint: f32) -> SurfacePoint<'_> {

@@ -19,6 +19,8 @@ pub(super) struct Plan {
     pub channels: Vec<usize>,
     pub curve: Curve,
     pub raw: bool,
+    /// Keep floats as half floats.
+    pub halves: bool,
     path: PathBuf,
 }
 
@@ -49,6 +51,7 @@ impl Plan {
         Ok(Self {
             curve: Curve::of(settings, header.pixel_type, alpha),
             raw: settings.raw,
+            halves: false,
             path: settings.path.clone(),
             channels,
             file,
@@ -62,7 +65,8 @@ impl Plan {
             PixelType::U16 if self.raw => PixelType::Float,
             PixelType::U16 => PixelType::Half,
             // What a curve makes of a half is no half.
-            PixelType::Half if self.curve != Curve::Linear => PixelType::Float,
+            PixelType::Half if self.curve != Curve::Linear && !self.halves => PixelType::Float,
+            PixelType::Float if self.halves && !self.raw => PixelType::Half,
             t => t,
         }
     }

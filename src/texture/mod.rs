@@ -8,6 +8,7 @@ mod load;
 mod pattern;
 mod place;
 mod pyramid;
+mod reads;
 mod storage;
 mod store;
 #[cfg(test)]
@@ -15,6 +16,7 @@ mod tests;
 
 pub use bitmap::Bitmap;
 pub use pattern::{Checkerboard, Grid};
+pub use reads::Reads;
 pub use store::TextureStore;
 
 use crate::math::{Frame, Rgb, Vec2, Vec3, luminance};

@@ -38,7 +38,10 @@ struct Opened {
 #[derive(Debug)]
 pub struct TextureStore {
     budget: usize,
+    halves: bool,
     resident: AtomicUsize,
+    spilled: AtomicUsize,
+    spilled_bytes: AtomicUsize,
     opened: Mutex<Opened>,
     #[cfg(feature = "oiio")]
     cache: OnceLock<Result<Arc<crate::image::oiio::textures::TextureSystem>, String>>,
@@ -49,11 +52,20 @@ impl TextureStore {
     pub fn new(memory_bytes: usize) -> Self {
         Self {
             budget: memory_bytes,
+            halves: false,
             resident: AtomicUsize::new(0),
+            spilled: AtomicUsize::new(0),
+            spilled_bytes: AtomicUsize::new(0),
             opened: Mutex::default(),
             #[cfg(feature = "oiio")]
             cache: OnceLock::new(),
         }
+    }
+
+    /// The same, keeping colours of 32 bits in 16: half the memory, and three digits are left. Values that
+    /// are no colours, such as heights, keep their bits.
+    pub fn in_halves(self, halves: bool) -> Self {
+        Self { halves, ..self }
     }
 
     /// Opens an image texture. An error names the file.
@@ -75,6 +87,15 @@ impl TextureStore {
     /// Bytes of texels in memory now, resident and cached.
     pub fn memory_bytes(&self) -> usize {
         self.resident.load(Ordering::Relaxed) + self.cached_bytes()
+    }
+
+    /// Images that do not fit into the budget and are not tiled, so that their texels were put on disk:
+    /// how many, and their bytes.
+    pub fn spilled(&self) -> (usize, usize) {
+        (
+            self.spilled.load(Ordering::Relaxed),
+            self.spilled_bytes.load(Ordering::Relaxed),
+        )
     }
 
     /// The budget.
@@ -106,7 +127,8 @@ impl TextureStore {
     }
 
     fn load(&self, settings: &BitmapSettings) -> Result<Arc<Texels>, ImageError> {
-        let plan = Plan::new(settings)?;
+        let mut plan = Plan::new(settings)?;
+        plan.halves = self.halves;
         let bytes = plan.bytes();
         if self.reserve(bytes, self.limit_for(&plan)) {
             let texels = plan.read(false);
@@ -119,6 +141,8 @@ impl TextureStore {
         if plan.file.header().tile_height > 0 && plan.is_contiguous() {
             return self.cached(plan, settings).map(Arc::new);
         }
+        self.spilled.fetch_add(1, Ordering::Relaxed);
+        self.spilled_bytes.fetch_add(bytes, Ordering::Relaxed);
         plan.read(true).map(Arc::new)
     }
 

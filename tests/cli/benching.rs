@@ -1,4 +1,4 @@
-//! `twintree bench accel`.
+//! `twintree bench`.
 
 use super::support::Place;
 
@@ -75,4 +75,39 @@ fn what_cannot_be_measured_is_told_in_words() {
     place
         .run("bench accel scene.xml --rays 3")
         .fails(2, &["--rays"]);
+}
+
+#[test]
+fn growth_is_measured_over_sizes_and_drawn() {
+    let place = Place::new();
+    let words = "--least 200 --most 4k --kind torus-knot --json out.json --svg out.svg -j 2";
+    let ran = place.run(&format!("bench scale {words} {QUICK}")).ok();
+    assert!(
+        ran.out.contains("torus-knot, binary PLY, 2 threads"),
+        "{ran:#?}"
+    );
+    let report: serde_json::Value = serde_json::from_slice(&place.read("out.json")).unwrap();
+    let sizes = report["sizes"].as_array().unwrap();
+    assert_eq!(sizes.len(), 4, "{report:#}");
+    for size in sizes {
+        let triangles = size["triangles"].as_u64().unwrap();
+        // A vertex and its normal for two triangles, three indices for each.
+        let mesh = size["mesh_bytes"].as_u64().unwrap();
+        assert!(
+            (24 * triangles..28 * triangles + 1000).contains(&mesh),
+            "{size:#}"
+        );
+        assert!(size["load_seconds"].as_f64() > Some(0.0), "{size:#}");
+        assert!(size["floor_seconds"].as_f64() > Some(0.0), "{size:#}");
+        for tracer in size["tracers"].as_array().unwrap() {
+            assert!(tracer["camera"].as_f64() > Some(1e3), "{tracer:#}");
+        }
+    }
+    let drawn = String::from_utf8(place.read("out.svg")).unwrap();
+    assert!(drawn.starts_with("<svg") && drawn.contains("n log n"));
+    // The meshes are gone.
+    assert_eq!(place.files(), ["out.json", "out.svg", "scene.xml"]);
+    place
+        .run("bench scale --directory nowhere")
+        .fails(1, &["nowhere", "--directory"]);
 }

@@ -21,12 +21,29 @@ fn uninterrupted(place: &Place, spp: u32, rest: &str) -> Vec<(String, Vec<u32>)>
     numbers
 }
 
-/// Waits until the file is there, while the render runs.
+/// Waits until the file is there, while the render runs. (An empty one is the program trying whether it may
+/// write there.)
 fn wait_for(place: &Place, name: &str, child: &mut Child) {
     let start = Instant::now();
-    while !place.path(name).exists() {
+    let written = || std::fs::metadata(place.path(name)).is_ok_and(|m| m.len() > 0);
+    while !written() {
         assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
         assert!(start.elapsed() < Duration::from_secs(60), "no {name}");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+/// Waits until the program catches SIGUSR1, which would end it before.
+fn wait_for_handler(child: &Child) {
+    const USR1: u64 = 1 << 9;
+    let start = Instant::now();
+    let caught = || {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).ok()?;
+        let mask = status.lines().find_map(|l| l.strip_prefix("SigCgt:"))?;
+        u64::from_str_radix(mask.trim(), 16).ok()
+    };
+    while caught().is_none_or(|mask| mask & USR1 == 0) {
+        assert!(start.elapsed() < Duration::from_secs(60), "no handler");
         std::thread::sleep(Duration::from_millis(2));
     }
 }
@@ -148,8 +165,7 @@ fn a_render_that_stops_at_a_noise_stops_there_after_an_interruption_too() {
 fn a_user_signal_writes_a_checkpoint_and_the_render_goes_on() {
     let place = Place::new();
     let mut child = place.spawn(&words(100_000, "--checkpoint 1h"));
-    // Until the handler is there the signal would end the program: the first tile has been taken then.
-    std::thread::sleep(Duration::from_millis(700));
+    wait_for_handler(&child);
     signal(&child, "USR1");
     wait_for(&place, "out.exr.checkpoint", &mut child);
     std::fs::remove_file(place.path("out.exr.checkpoint")).unwrap();

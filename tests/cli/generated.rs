@@ -3,7 +3,7 @@
 use super::support::Place;
 use std::process::{Command, Stdio};
 
-const COMMANDS: [&str; 8] = [
+const COMMANDS: [&str; 10] = [
     "render",
     "merge",
     "farm",
@@ -12,6 +12,8 @@ const COMMANDS: [&str; 8] = [
     "train",
     "field",
     "merge-fields",
+    "table1",
+    "sweep",
 ];
 
 #[test]

@@ -23,6 +23,39 @@ fn info_counts_what_is_in_a_scene() {
 }
 
 #[test]
+fn info_says_what_a_scene_does_without() {
+    let place = Place::new();
+    let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n";
+    std::fs::write(place.path("a.obj"), obj).unwrap();
+    let left_out = |words: &str| {
+        let json = place.run(&format!("info {words} --json")).ok().out;
+        let info: serde_json::Value = serde_json::from_str(&json).unwrap();
+        let list = info["left_out"].as_array().unwrap().clone();
+        let one = |l: serde_json::Value| {
+            (
+                l["what"].as_str().unwrap().to_owned(),
+                l["saved_bytes"].as_u64(),
+            )
+        };
+        list.into_iter().map(one).collect::<Vec<_>>()
+    };
+    let all = left_out("a.obj --material mirror");
+    let has = |what: &str, bytes| assert!(all.contains(&(what.into(), bytes)), "{all:?}");
+    // Three corners of two numbers each.
+    has("texture coordinates", Some(24));
+    has("texture system", None);
+    has("light tree", None);
+    has("learned field", None);
+    let clay = left_out("a.obj");
+    assert!(clay.iter().all(|l| l.0 != "learned field"), "{clay:?}");
+    let table = place.run("info a.obj").ok().out;
+    assert!(
+        table.contains("without    texture coordinates: no material of 1 mesh"),
+        "{table}"
+    );
+}
+
+#[test]
 fn definitions_reach_the_scene() {
     let ran = Place::new()
         .run("info scene.xml -D size=50 -D spp=9 --json")
@@ -32,6 +65,40 @@ fn definitions_reach_the_scene() {
         (&info["film"]["width"], &info["render"]["spp"]),
         (&50.into(), &9.into())
     );
+}
+
+/// A tetrahedron; without its last face it has a border.
+const TETRAHEDRON: &str =
+    "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+
+#[test]
+fn info_tells_the_precautions_and_why() {
+    let with = |obj: &str, bsdf: &str| {
+        let shape = format!(
+            r#"<shape type="obj"><string name="filename" value="body.obj"/>{bsdf}</shape></scene>"#
+        );
+        let place = Place::replacing("</scene>", &shape);
+        std::fs::write(place.path("body.obj"), obj).unwrap();
+        place.run("info scene.xml").ok().out
+    };
+    let says = |text: String, line: &str| assert!(text.contains(line), "{line}: {text}");
+    let open = TETRAHEDRON.replace("f 2 3 4\n", "");
+    says(
+        with(TETRAHEDRON, ""),
+        "precaution watertight edges on: the mesh body.obj is closed",
+    );
+    says(
+        with(&open, r#"<bsdf type="dielectric"/>"#),
+        "precaution watertight edges on: the mesh body.obj refracts",
+    );
+    says(
+        with(&open, ""),
+        "precaution watertight edges off: no mesh is closed or refracts",
+    );
+    says(with(&open, ""), "precaution moved to the origin off: ");
+    let json = Place::new().run("info scene.xml --json").ok().out;
+    let info: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(info["precautions"][0]["on"], false, "{info}");
 }
 
 /// Two triangles in a group that stands in two places.

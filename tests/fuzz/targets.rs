@@ -68,6 +68,7 @@ fn thumbnail(mut description: Description) {
         strict_normals: description.render.strict_normals,
         sampler: description.render.sampler,
         seed: 1,
+        roulette: twintree::integrate::Roulette::Field,
     };
     let view = View {
         scene: &scene,

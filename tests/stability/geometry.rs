@@ -1,6 +1,6 @@
 //! S3, S4, S5: rays leave the surfaces that they start on, and never a closed mesh.
 
-use crate::scenes::{backends, seed};
+use crate::scenes::{backends, field_of, seed};
 use crate::support::{SceneMaker, film_mean, mesh};
 use crate::table::Table;
 use twintree::accel::{Backend, ExactKind, Hit, Ray};
@@ -251,10 +251,16 @@ fn s04_no_light_leaks() {
             let (positions, triangles) = round_mesh(center, radius);
             maker.shape(mesh(positions, triangles), wall, None, false);
             maker.emitter(Emitter::Constant { radiance: Rgb::ONE });
-            let (film, _) = maker.build(backend).render(&seed(1), 32);
+            let built = maker.build(backend);
+            let (film, _) = built.render(&seed(1), 32);
             let what = format!("{place}: light that leaks into a closed mesh");
             table.finite("S4", &what, name, &film);
             table.hold("S4", &what, name, 1e-5, film_mean(&film).0);
+            let guide = field_of(&built);
+            let (film, _) = built.render_guided(&seed(1), 32, Some(&guide));
+            let who = format!("{name}, guided");
+            table.finite("S4", &what, &who, &film);
+            table.hold("S4", &what, &who, 1e-5, film_mean(&film).0);
         }
     }
 }

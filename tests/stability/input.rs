@@ -1,6 +1,6 @@
 //! S9, S10, S11: broken meshes, scenes without light, normals that are none.
 
-use crate::scenes::{backends, differing_pixels, loaded, seed};
+use crate::scenes::{backends, differing_pixels, field_of, loaded, seed};
 use crate::support::{SceneMaker, film_mean, mesh};
 use crate::table::Table;
 use std::process::Command;
@@ -253,12 +253,17 @@ fn s11_normals() {
             let white = maker.diffuse(1.0);
             maker.shape(ball(change), white, None, false);
             maker.emitter(Emitter::Constant { radiance: Rgb::ONE });
-            let (film, _) = maker.build(backend).render(&seed(1), 256);
-            let (mean, error) = film_mean(&film);
+            let built = maker.build(backend);
+            let guide = field_of(&built);
             let what = format!("white ball in constant light, normals {what}: gain");
-            table.finite("S11", &what, name, &film);
-            assert!(error < 3e-3, "{what}: too noisy: {error}");
-            table.hold("S11", &what, name, 0.01, mean - 1.0);
+            for (who, guide) in [("", None), (", guided", Some(&guide))] {
+                let (film, _) = built.render_guided(&seed(1), 256, guide);
+                let (mean, error) = film_mean(&film);
+                let who = format!("{name}{who}");
+                table.finite("S11", &what, &who, &film);
+                assert!(error < 3e-3, "{what}, {who}: too noisy: {error}");
+                table.hold("S11", &what, &who, 0.01, mean - 1.0);
+            }
         }
     }
 }

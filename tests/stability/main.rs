@@ -20,7 +20,7 @@
 //! | S24, S25 | seeds, sample numbers beyond 2^32 | `streams.rs` |
 //!
 //! S22 (renders that are killed, go on, or are divided between machines have the same bits) is held by
-//! `tests/cli/checkpoints.rs` and `tests/cli/shards.rs`.
+//! `tests/cli/checkpoints.rs` and `tests/cli/shards.rs`, and by `poison.rs` for threads that die.
 
 #[path = "../support/mod.rs"]
 mod support;
@@ -32,6 +32,7 @@ mod geometry;
 mod input;
 mod invariance;
 mod numbers;
+mod poison;
 mod scenes;
 mod streams;
 mod table;

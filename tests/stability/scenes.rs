@@ -135,6 +135,7 @@ pub fn field_of(built: &Built) -> Guide {
         paths: 20_000,
         batches: 4,
         memory: 16 << 20,
+        mixture: None,
         photon: PhotonSettings {
             max_bounces: 11,
             roulette_after: 3,

@@ -7,9 +7,9 @@ use twintree::accel::{Backend, BuildSettings, ExactKind, ExactShape, TriangleMes
 use twintree::bsdf::{Material, MaterialId, Materials};
 use twintree::camera::{Camera, CameraDescription, FovAxis, Projection};
 use twintree::film::{Film, FilmDescription, FilmKind, filter::Filter};
-use twintree::integrate::PathSettings;
-use twintree::integrate::guiding::Guide;
+use twintree::integrate::guiding::{Guidance, Guide};
 use twintree::integrate::render::{Limits, Observer, Progress, Summary, View, render};
+use twintree::integrate::{PathSettings, Roulette};
 use twintree::light::Emitter;
 use twintree::math::{Affine3A, DAffine3, DVec3, Rgb, Vec3};
 use twintree::scene::description::{RenderDescription, SamplerKind};
@@ -64,6 +64,7 @@ impl SceneMaker {
                     exposure: 0.0,
                 },
                 render: RenderDescription::default(),
+                origin: DVec3::ZERO,
                 warnings: Vec::new(),
             },
         }
@@ -198,6 +199,7 @@ pub fn settings() -> PathSettings {
     PathSettings {
         max_depth: u32::MAX,
         rr_depth: 5,
+        roulette: Roulette::Field,
         hide_emitters: false,
         strict_normals: false,
         sampler: SamplerKind::Independent,
@@ -218,13 +220,26 @@ impl Built {
         spp: u64,
         guide: Option<&Guide>,
     ) -> (Film, Summary) {
+        self.render_by(settings, spp, guide.map(Into::into))
+    }
+
+    /// The same, guided by any field.
+    pub fn render_by(
+        &self,
+        settings: &PathSettings,
+        spp: u64,
+        guide: Option<Guidance>,
+    ) -> (Film, Summary) {
         let mut film = Film::new(&self.film);
         let limits = Limits {
             spp,
             time: None,
             noise: None,
         };
-        let view = self.view(settings, guide);
+        let view = View {
+            guide,
+            ..self.view(settings, None)
+        };
         let summary = render(&view, &mut film, &limits, &Silent);
         (film, summary)
     }
@@ -236,7 +251,7 @@ impl Built {
             camera: &self.camera,
             film: &self.film,
             settings,
-            guide,
+            guide: guide.map(Into::into),
         }
     }
 

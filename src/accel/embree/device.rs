@@ -10,6 +10,8 @@ use std::sync::atomic::{AtomicIsize, Ordering};
 #[derive(Default)]
 struct Reports {
     bytes: AtomicIsize,
+    /// Bytes that may be held; 0 is any number.
+    limit: isize,
     first_error: Mutex<Option<(RTCError, String)>>,
 }
 
@@ -25,8 +27,8 @@ unsafe impl Send for Device {}
 unsafe impl Sync for Device {}
 
 impl Device {
-    /// A device whose builders use `threads` threads; 0 means all.
-    pub fn new(threads: usize) -> Result<Self, AccelError> {
+    /// A device whose builders use so many threads and hold so many bytes at most; 0 means all.
+    pub fn new(threads: usize, memory: usize) -> Result<Self, AccelError> {
         let config = if threads == 0 {
             CString::default()
         } else {
@@ -39,7 +41,10 @@ impl Device {
             let code = unsafe { rtcGetDeviceError(std::ptr::null_mut()) };
             return Err(AccelError::Device(describe(code).into()));
         }
-        let reports = Box::<Reports>::default();
+        let reports = Box::new(Reports {
+            limit: isize::try_from(memory).unwrap_or(isize::MAX),
+            ..Reports::default()
+        });
         let user = (&raw const *reports).cast_mut().cast::<c_void>();
         // SAFETY: the device is live; `reports` is boxed and outlives it (see `Drop`).
         unsafe {
@@ -191,12 +196,17 @@ unsafe extern "C" fn on_error(user: *mut c_void, code: RTCError, text: *const c_
     lock(&reports.first_error).get_or_insert((code, words));
 }
 
-/// Counts what is allocated and freed; never refuses, because the system's own refusal arrives as an error.
+/// Counts what is allocated and freed, and refuses what is beyond the limit: Embree then ends the build
+/// with an error. Without a limit the system would first promise the memory and later end the program.
 unsafe extern "C" fn on_memory(user: *mut c_void, bytes: isize, _post: bool) -> bool {
     // SAFETY: `user` is the boxed `Reports` set in `Device::new`.
     let reports = unsafe { &*user.cast::<Reports>() };
-    reports.bytes.fetch_add(bytes, Ordering::Relaxed);
-    true
+    let before = reports.bytes.fetch_add(bytes, Ordering::Relaxed);
+    let refused = bytes > 0 && reports.limit > 0 && before.saturating_add(bytes) > reports.limit;
+    if refused {
+        reports.bytes.fetch_sub(bytes, Ordering::Relaxed);
+    }
+    !refused
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {

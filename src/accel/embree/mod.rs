@@ -61,7 +61,7 @@ impl Embree {
         opacity: Option<Arc<dyn Opacity>>,
     ) -> Result<Self, AccelError> {
         check(&world)?;
-        let device = Device::new(settings.threads)?;
+        let device = Device::new(settings.threads, settings.memory)?;
         let scenes = geometry::build(&device, &world, &settings, opacity.as_ref())?;
         Ok(Self {
             scenes,

@@ -154,3 +154,27 @@ fn instances_that_cannot_stand_are_errors() {
         AccelError::SingularInstance { instance: 0 }
     );
 }
+
+/// Embree is told how much memory its trees may take, and ends the build in words when that is not enough.
+#[cfg(feature = "embree")]
+#[test]
+fn a_tree_beyond_its_memory_is_an_error() {
+    let sheet = |i: u32| {
+        let at = |j: u32| Vec3::new((i + j) as f32, (j % 2) as f32, 1.0);
+        [at(0), at(1), at(2)]
+    };
+    let triangles: Vec<[Vec3; 3]> = (0..100_000).map(sheet).collect();
+    let bounded = |memory| {
+        let settings = BuildSettings { memory, ..robust() };
+        build(with_odd(&triangles), settings, None, Backend::Embree)
+    };
+    let refused = bounded(4 << 20).err().expect("four megabytes are too few");
+    assert!(
+        matches!(&refused, AccelError::OutOfMemory { bytes, .. } if *bytes <= 4 << 20),
+        "{refused}"
+    );
+    assert!(refused.to_string().contains("compact tree"), "{refused}");
+    // What was refused leaves nothing behind: the next build is as any other.
+    let tree = bounded(256 << 20).expect("that is enough");
+    assert!(tree.memory_bytes() > 4 << 20 && tree.intersect(&DOWN).is_some());
+}

@@ -2,6 +2,7 @@
 
 mod closed;
 mod rays;
+mod scale;
 mod subject;
 
 use self::rays::{Kind, RaySets};
@@ -22,6 +23,7 @@ use std::time::Instant;
 pub fn run(what: &Bench) -> Result<(), Failure> {
     match what {
         Bench::Accel(args) => accel(args),
+        Bench::Scale(args) => scale::run(args),
     }
 }
 
@@ -72,19 +74,13 @@ fn accel(args: &BenchAccelArgs) -> Result<(), Failure> {
 
 /// Every backend, quality and mode. The tree in Rust is always watertight: it has one mode.
 fn configurations(args: &BenchAccelArgs) -> Vec<(Backend, BuildSettings)> {
-    let both = [Backend::Embree, Backend::Obvhs];
-    let asked = |backend: &Backend| match backend {
-        _ if args.accel.is_empty() => *backend != Backend::Embree || cfg!(feature = "embree"),
-        Backend::Embree => args.accel.contains(&Accel::Embree),
-        Backend::Obvhs => args.accel.contains(&Accel::Obvhs),
-    };
     let qualities = [
         (Quality::Fast, BuildQuality::Fast),
         (Quality::Balanced, BuildQuality::Balanced),
         (Quality::High, BuildQuality::High),
     ];
     let mut list = Vec::new();
-    for backend in both.into_iter().filter(asked) {
+    for backend in backends(&args.accel) {
         for (_, quality) in qualities.iter().filter(|q| args.quality.contains(&q.0)) {
             for robust in [false, true] {
                 let settings = BuildSettings {
@@ -92,6 +88,7 @@ fn configurations(args: &BenchAccelArgs) -> Vec<(Backend, BuildSettings)> {
                     robust,
                     compact: false,
                     threads: threads::count(),
+                    memory: 0,
                 };
                 if robust || backend == Backend::Embree {
                     list.push((backend, settings));
@@ -100,6 +97,16 @@ fn configurations(args: &BenchAccelArgs) -> Vec<(Backend, BuildSettings)> {
         }
     }
     list
+}
+
+/// The ray tracers that are asked for: all there are if none is named.
+fn backends(named: &[Accel]) -> impl Iterator<Item = Backend> {
+    let asked = |backend: &Backend| match backend {
+        _ if named.is_empty() => *backend != Backend::Embree || cfg!(feature = "embree"),
+        Backend::Embree => named.contains(&Accel::Embree),
+        Backend::Obvhs => named.contains(&Accel::Obvhs),
+    };
+    [Backend::Embree, Backend::Obvhs].into_iter().filter(asked)
 }
 
 fn quality_name(quality: BuildQuality) -> &'static str {

@@ -19,6 +19,8 @@ pub struct Subject {
     pub aspect: f64,
     /// Triangles, instances counted once.
     pub triangles: u64,
+    /// Memory of the meshes.
+    pub geometry_bytes: u64,
 }
 
 impl Subject {
@@ -31,6 +33,7 @@ impl Subject {
         let mut description = load::load_unlit(args, &named)?.description;
         let world = world_of(&description, &description.materials);
         let triangles = crate::report::scene::triangles(&description);
+        let geometry_bytes = crate::report::scene::geometry_bytes(&description);
         let settings = BuildSettings {
             robust: true,
             threads: threads::count(),
@@ -44,6 +47,7 @@ impl Subject {
             camera: description.camera,
             aspect: f64::from(film.width.max(1)) / f64::from(film.height.max(1)),
             triangles,
+            geometry_bytes,
         })
     }
 }

@@ -8,7 +8,6 @@ use super::{Failure, console, output};
 use crate::image::file::ImageFile;
 use crate::image::metrics::{Pair, errors, fireflies, flip, ssim, ztest};
 use crate::image::{self, Image, PixelType};
-use crate::math::Rgb;
 use crate::report::compare::{Comparison, ImageErrors, Z};
 use std::path::Path;
 
@@ -115,20 +114,15 @@ fn measure(path: &Path, pair: &Pair, args: &CompareArgs, kind: &str) -> (ImageEr
 
 /// The z-test, where both files carry the variance of their pixels.
 fn z_test(pair: &Pair, image: &Image, reference: &Image) -> Option<Z> {
-    let test = ztest::ztest(pair, &variance_of(image)?, &variance_of(reference)?)?;
+    let test = ztest::ztest(
+        pair,
+        &ztest::variance_of(image)?,
+        &ztest::variance_of(reference)?,
+    )?;
     Some(Z {
         inside: test.inside,
         of_mean: test.of_mean,
     })
-}
-
-/// The layer that [`crate::film::layers`] writes.
-fn variance_of(image: &Image) -> Option<Vec<Rgb>> {
-    let n = image.channels.len();
-    let [r, g, b] = ["variance.R", "variance.G", "variance.B"].map(|name| image.channel(name));
-    let (r, g, b) = (r?, g?, b?);
-    let pixels = image.pixels.chunks_exact(n);
-    Some(pixels.map(|p| Rgb::new(p[r], p[g], p[b])).collect())
 }
 
 /// A sentence for each limit that the image passes.

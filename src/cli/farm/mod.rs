@@ -15,6 +15,7 @@ mod tests;
 mod words;
 
 use self::plan::Plan;
+pub(crate) use self::plan::quote;
 use super::part_args::{FarmArgs, Queue};
 use super::{Failure, console};
 

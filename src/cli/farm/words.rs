@@ -26,7 +26,15 @@ pub struct Words {
 }
 
 /// Options that cannot be cut up, and why.
-const REFUSED: [(&str, &str); 4] = [
+const REFUSED: [(&str, &str); 6] = [
+    (
+        "quality",
+        "it stops by the clock or the noise: use --spp, --photons and --paths",
+    ),
+    (
+        "reference",
+        "no shard is a whole image: use \"twintree compare\"",
+    ),
     (
         "shard",
         "the shards are made here: say how many with --shards before the scene",
@@ -76,7 +84,7 @@ pub fn sort(words: &[String]) -> Result<Words, Failure> {
     };
     let of_training = |id: &str| train.get_arguments().any(|arg| arg.get_id() == id);
     let guide = matches.get_one::<Guide>("guide").copied();
-    let learns = guide.is_some_and(|g| g != Guide::None) && !matches.contains_id("field");
+    let learns = guide == Some(Guide::Double) && !matches.contains_id("field");
     sorted.train = learns.then(Vec::new);
     for arg in command.get_arguments() {
         let id = arg.get_id().as_str();

@@ -7,6 +7,7 @@
 //! a little less than 0.999 where light is hard to find.
 
 use super::Pair;
+use crate::image::Image;
 use crate::math::Rgb;
 
 /// Half-width of the band that holds 99.9 % of the standard normal distribution.
@@ -60,4 +61,12 @@ fn rounding_of(pixels: &[Rgb]) -> f64 {
     let is_half = |x: f32| half::f16::from_f32(x).to_f32() == x;
     let halves = pixels.iter().all(|p| p.to_array().into_iter().all(is_half));
     if halves { 2f64.powi(-22) / 3.0 } else { 0.0 }
+}
+/// The variance of each pixel's mean, where the file has the layer that [`crate::film::layers`] writes.
+pub fn variance_of(image: &Image) -> Option<Vec<Rgb>> {
+    let n = image.channels.len();
+    let [r, g, b] = ["variance.R", "variance.G", "variance.B"].map(|name| image.channel(name));
+    let (r, g, b) = (r?, g?, b?);
+    let pixels = image.pixels.chunks_exact(n);
+    Some(pixels.map(|p| Rgb::new(p[r], p[g], p[b])).collect())
 }

@@ -1,11 +1,13 @@
-//! Materials: metallic-roughness and its extensions as `principled` and what is laid around it.
+//! Materials: metallic-roughness and its extensions as plastic and metal and what is laid around them.
 //!
 //! ```text
-//!  Mask (alpha) > TwoSided > NormalMap > Blend (clear coat) > principled, or principledthin
+//!  Mask (alpha) > TwoSided > NormalMap > Blend (clear coat) > Blend (metalness) > rough plastic
+//!                                                                               > principled
 //! ```
 //!
-//! Both models take the square of a perceptual roughness as the width of GGX facets, and 0.04 as the
-//! reflectance of a dielectric of index 1.5. Nothing is culled: opaque surfaces are the same from both
+//! All models take the square of a perceptual roughness as the width of GGX facets, and 0.04 as the
+//! reflectance of a dielectric of index 1.5. Transmission and sheen are `principled`'s or, where the
+//! surface is thin, `principledthin`'s. Nothing is culled: opaque surfaces are the same from both
 //! sides, as light that bounces needs it. A transmitting surface without `KHR_materials_volume` is thin.
 
 use super::extension::Extension;

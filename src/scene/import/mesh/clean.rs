@@ -114,15 +114,16 @@ fn drop_degenerate(raw: &mut Raw, warnings: &mut Vec<String>) {
         let area = normals::cross(positions, t);
         area.length() >= f64::from(f32::MIN_POSITIVE)
     };
-    let flags: Vec<bool> = raw
+    // Nearly all meshes end here, and nothing was allocated for them.
+    let Some(first) = raw
         .triangles
         .par_iter()
         .with_min_len(GRAIN)
-        .map(has_area)
-        .collect();
-    let Some(first) = flags.iter().position(|&good| !good) else {
+        .position_first(|t| !has_area(t))
+    else {
         return;
     };
+    let flags: Vec<bool> = raw.triangles.par_iter().map(has_area).collect();
     let before = raw.triangles.len();
     keep_triangles(raw, |i, _| flags[i]);
     let dropped = before - raw.triangles.len();

@@ -5,6 +5,7 @@
 
 use crate::math::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
+use std::f32::consts::{FRAC_PI_2, PI};
 
 /// Triangles whose contributions are held at once. They are computed by all threads and added by one,
 /// in order: the same sums whatever the number of threads.
@@ -36,16 +37,44 @@ pub(super) fn contributions(positions: &[Vec3], triangle: &[u32; 3]) -> [Vec3; 3
     let (ab, bc, ca) = (b - a, c - b, a - c);
     let normal = ab.cross(-ca);
     let length = normal.length();
-    let Some(unit) = unit(normal) else {
-        return [Vec3::ZERO; 3];
+    // The square of a length beyond this would leave the range of f64.
+    let unit = match (1e-150..1e150).contains(&length) {
+        true => (normal * (1.0 / length)).as_vec3(),
+        false => match unit(normal) {
+            Some(unit) => unit,
+            None => return [Vec3::ZERO; 3],
+        },
     };
     let dots = [-ab.dot(ca), -ab.dot(bc), -bc.dot(ca)];
     // The ratio survives the step to f32, whatever the mesh's size.
     dots.map(|dot| {
         let scale = 1.0 / length.max(dot.abs());
-        let angle = ((length * scale) as f32).atan2((dot * scale) as f32);
-        unit * angle
+        unit * angle((length * scale) as f32, (dot * scale) as f32)
     })
+}
+
+/// The angle of the direction `(x, y)` from +x, for `y` not below 0: a polynomial for the arc tangent
+/// (Abramowitz and Stegun 4.4.49, error below 2e-8) between 0 and 1. The library's function took half
+/// of the time that meshes without normals needed to load.
+#[inline]
+fn angle(y: f32, x: f32) -> f32 {
+    const TERMS: [f32; 8] = [
+        0.002_866_225_7,
+        -0.016_165_737,
+        0.042_909_614,
+        -0.075_289_64,
+        0.106_562_64,
+        -0.142_089,
+        0.199_935_51,
+        -0.333_331_45,
+    ];
+    let across = x.abs();
+    let t = y.min(across) / y.max(across);
+    let square = t * t;
+    let sum = TERMS.iter().fold(0.0, |sum, term| (sum + term) * square);
+    let arc = t + t * sum;
+    let arc = if y > across { FRAC_PI_2 - arc } else { arc };
+    if x < 0.0 { PI - arc } else { arc }
 }
 
 /// Angle-weighted unit normals. A vertex without triangles gets +z.
@@ -64,19 +93,29 @@ pub(super) fn accumulate(
     targets: &[[u32; 3]],
     count: usize,
 ) -> Vec<Vec3> {
-    let mut sums = vec![Vec3::ZERO; count];
-    let mut batch = Vec::new();
-    for (triangles, targets) in triangles.chunks(BATCH).zip(targets.chunks(BATCH)) {
+    let compute = |triangles: &[[u32; 3]], batch: &mut Vec<[Vec3; 3]>| {
         triangles
             .par_iter()
             .with_min_len(GRAIN)
             .map(|t| contributions(positions, t))
-            .collect_into_vec(&mut batch);
-        for (corners, to) in batch.iter().zip(targets) {
-            for (&normal, &to) in corners.iter().zip(to) {
-                sums[to as usize] += normal;
+            .collect_into_vec(batch);
+    };
+    let mut sums = vec![Vec3::ZERO; count];
+    let mut batches = triangles.chunks(BATCH);
+    let (mut batch, mut next) = (Vec::new(), Vec::new());
+    compute(batches.next().unwrap_or_default(), &mut batch);
+    for targets in targets.chunks(BATCH) {
+        // The next batch is computed while one thread adds this one.
+        let add = || {
+            for (corners, to) in batch.iter().zip(targets) {
+                for (&normal, &to) in corners.iter().zip(to) {
+                    sums[to as usize] += normal;
+                }
             }
-        }
+        };
+        let after = batches.next().unwrap_or_default();
+        rayon::join(add, || compute(after, &mut next));
+        std::mem::swap(&mut batch, &mut next);
     }
     sums
 }
@@ -126,4 +165,22 @@ pub(super) fn repair(
         }
     }
     (normals, repaired)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angles_are_those_of_the_arc_tangent() {
+        for i in 0..=3600 {
+            let exact = (f64::from(i) * 0.05).to_radians();
+            let (y, x) = (exact.sin().max(0.0) as f32, exact.cos() as f32);
+            let error = f64::from(angle(y, x)) - f64::from(y).atan2(x.into());
+            assert!(error.abs() < 4e-7, "{exact}: {error}");
+        }
+        assert_eq!(angle(0.0, 1.0), 0.0);
+        assert_eq!(angle(0.0, -1.0), PI);
+        assert_eq!(angle(1.0, 0.0), FRAC_PI_2);
+    }
 }

@@ -207,6 +207,7 @@ impl<'a> Importer<'a> {
             camera: sensor.camera,
             film: sensor.film,
             render,
+            origin: self.origin,
             warnings: self.warnings,
         })
     }

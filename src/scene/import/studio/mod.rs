@@ -84,6 +84,7 @@ impl Studio {
             camera: shot.camera,
             film: film(shot.aspect),
             render: RenderDescription::default(),
+            origin: DVec3::ZERO,
             warnings: parts.warnings,
         })
     }

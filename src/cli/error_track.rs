@@ -1,0 +1,199 @@
+//! `--reference`: how far the image is from the truth, measured while it renders.
+//!
+//! Points of the curve lie a constant factor apart, for an error falls with the root of the time: after
+//! each doubling of the samples, or a quarter more time. Rendering waits meanwhile, and its clock does too
+//! ([`Observer::time_aside`](crate::integrate::render::Observer::time_aside)): a curve costs an image
+//! nothing, however often it is looked at.
+
+use super::Failure;
+use crate::film::layers::{Layers, Metadata};
+use crate::film::{Film, FilmDescription};
+use crate::image::metrics::{Pair, errors::Errors};
+use crate::image::{self, Image};
+use crate::integrate::render::{Progress, Summary};
+use crate::report::stats::{ErrorPoint, Stats};
+use rustix::time::{ClockId, clock_gettime};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// The next point comes when the samples have grown by this factor,
+const MORE_SAMPLES: u64 = 2;
+/// or the time by this one.
+const MORE_TIME: f64 = 1.25;
+
+/// The error of a render over time.
+pub struct ErrorTrack {
+    path: PathBuf,
+    reference: Image,
+    /// Time of processors before rendering began.
+    cpu_start: Duration,
+    state: Mutex<State>,
+}
+
+#[derive(Default)]
+struct State {
+    points: Vec<ErrorPoint>,
+    taken: Duration,
+    cpu_taken: Duration,
+}
+
+impl ErrorTrack {
+    /// Reads the reference of a film: of the film's size, or of its crop's.
+    ///
+    /// # Errors
+    /// When it cannot be read, or is of another size.
+    pub fn against(path: &Path, film: &FilmDescription) -> Result<Self, Failure> {
+        let whole = image::read_linear(path)?;
+        Ok(Self {
+            reference: fitting(path, whole, film)?,
+            path: path.to_owned(),
+            cpu_start: cpu_time(),
+            state: Mutex::default(),
+        })
+    }
+
+    /// What measuring has taken so far.
+    pub fn time_taken(&self) -> Duration {
+        self.state().taken
+    }
+
+    /// Measures, if it is time for another point.
+    pub fn pass_done(&self, progress: &Progress, film: &Film) {
+        let due = self.state().points.last().is_none_or(|last| {
+            progress.spp >= last.spp * MORE_SAMPLES
+                || progress.elapsed.as_secs_f64() >= last.seconds * MORE_TIME
+        });
+        if due {
+            self.measure(film, (progress.elapsed, progress.spp, progress.rays));
+        }
+    }
+
+    /// Measures the final image and hands the curve over.
+    pub fn finish(self, film: &Film, summary: &Summary, stats: &mut Stats) {
+        let measured = self.state().points.last().map(|p| p.rays);
+        if measured != Some(summary.rays) && film.samples_done() > 0 {
+            self.measure(film, (summary.elapsed, summary.spp, summary.rays));
+        }
+        stats.reference = Some(self.path.display().to_string());
+        let state = self.state.into_inner();
+        stats.errors = state.unwrap_or_else(PoisonError::into_inner).points;
+    }
+
+    fn measure(&self, film: &Film, (elapsed, spp, rays): (Duration, u64, u64)) {
+        let (start, cpu) = (Instant::now(), cpu_time());
+        let image = film.image(Layers::NONE, &Metadata::default());
+        // The sizes were compared before: nothing else can fail.
+        let Ok(pair) = Pair::new(&image, &self.reference) else {
+            return;
+        };
+        let errors = Errors::of(&pair);
+        let mut state = self.state();
+        let spent = cpu.saturating_sub(self.cpu_start + state.cpu_taken);
+        state.points.push(ErrorPoint {
+            seconds: elapsed.as_secs_f64(),
+            cpu_seconds: Some(spent.as_secs_f64()),
+            spp,
+            rays,
+            rmse: errors.rmse(),
+            relmse: errors.rel_mse,
+            relmse_trimmed: errors.rel_mse_trimmed,
+        });
+        state.cpu_taken += cpu_time().saturating_sub(cpu);
+        state.taken += start.elapsed();
+    }
+
+    fn state(&self) -> std::sync::MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// The reference, cut to the film's crop if it shows the whole.
+fn fitting(path: &Path, whole: Image, film: &FilmDescription) -> Result<Image, Failure> {
+    let [x0, y0, x1, y1] = film.crop.unwrap_or([0, 0, film.width, film.height]);
+    let size = (whole.width, whole.height);
+    if size == (x1 - x0, y1 - y0) {
+        return Ok(whole);
+    }
+    if size != (film.width, film.height) {
+        return Err(Failure::wrong(
+            format!(
+                "{} has {} x {} pixels, the image {} x {}",
+                path.display(),
+                size.0,
+                size.1,
+                x1 - x0,
+                y1 - y0
+            ),
+            format!(
+                "render at its size with --width {} --height {}, or make another reference",
+                size.0, size.1
+            ),
+        ));
+    }
+    let rows = whole.rgb();
+    let mut pixels = Vec::with_capacity((x1 - x0) as usize * (y1 - y0) as usize);
+    for y in y0..y1 {
+        let row = y as usize * whole.width as usize;
+        pixels.extend_from_slice(&rows[row + x0 as usize..row + x1 as usize]);
+    }
+    Ok(Image::from_rgb(x1 - x0, y1 - y0, &pixels))
+}
+
+/// Time that processors have spent on this process, all threads together.
+fn cpu_time() -> Duration {
+    let time = clock_gettime(ClockId::ProcessCPUTime);
+    // Never negative, and the second part is below a second.
+    Duration::new(
+        u64::try_from(time.tv_sec).unwrap_or(0),
+        u32::try_from(time.tv_nsec).unwrap_or(0),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::{FilmKind, filter::Filter};
+    use crate::math::Rgb;
+
+    fn film(crop: Option<[u32; 4]>) -> FilmDescription {
+        FilmDescription {
+            width: 4,
+            height: 3,
+            crop,
+            filter: Filter::Box { radius: 0.5 },
+            kind: FilmKind::Hdr,
+            exposure: 0.0,
+        }
+    }
+
+    fn numbered(width: u32, height: u32) -> Image {
+        let pixels: Vec<Rgb> = (0..width * height).map(|i| Rgb::splat(i as f32)).collect();
+        Image::from_rgb(width, height, &pixels)
+    }
+
+    #[test]
+    fn a_reference_is_cut_to_the_crop_or_is_of_its_size() {
+        let path = Path::new("r.exr");
+        let cut = fitting(path, numbered(4, 3), &film(Some([1, 1, 3, 3]))).unwrap();
+        let kept: Vec<f32> = cut.rgb().iter().map(|c| c.x).collect();
+        assert_eq!(
+            (cut.width, cut.height, kept),
+            (2, 2, vec![5.0, 6.0, 9.0, 10.0])
+        );
+        let own = fitting(path, numbered(2, 2), &film(Some([1, 1, 3, 3]))).unwrap();
+        assert_eq!((own.width, own.height), (2, 2));
+        let wrong = fitting(path, numbered(5, 3), &film(None)).unwrap_err();
+        let text = wrong.text().unwrap();
+        assert!(text.contains("5 x 3") && text.contains("4 x 3"), "{text}");
+    }
+
+    #[test]
+    fn time_of_processors_grows_with_work() {
+        let (cpu, start) = (cpu_time(), Instant::now());
+        while start.elapsed() < Duration::from_millis(20) {
+            std::hint::black_box(start);
+        }
+        assert!(cpu_time() > cpu);
+    }
+}

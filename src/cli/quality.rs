@@ -1,0 +1,125 @@
+//! `--quality`: a few settings under one name. Options that are typed win over it.
+//!
+//! The numbers come from `twintree sweep`; the README has the table.
+
+use super::args::{Cli, Command, Preset, RenderArgs};
+use super::field_args::Guide;
+use clap::parser::ValueSource;
+use clap::{ArgMatches, CommandFactory, FromArgMatches};
+
+/// What a quality stands for.
+struct Settings {
+    /// Stop at this noise,
+    noise: f32,
+    /// or at this number of samples.
+    spp: u64,
+    guide: Guide,
+    photons: u64,
+    paths: u64,
+}
+
+const fn settings(preset: Preset) -> Settings {
+    match preset {
+        Preset::Draft => Settings {
+            noise: 0.25,
+            spp: 256,
+            guide: Guide::Double,
+            photons: 100_000,
+            paths: 500_000,
+        },
+        Preset::Normal => Settings {
+            noise: 0.08,
+            spp: 1024,
+            guide: Guide::Double,
+            photons: 500_000,
+            paths: 2_000_000,
+        },
+        Preset::Final => Settings {
+            noise: 0.02,
+            spp: 16_384,
+            guide: Guide::Double,
+            photons: 500_000,
+            paths: 8_000_000,
+        },
+    }
+}
+
+impl Cli {
+    /// Reads the command line. What is wrong with it is printed, and the program ends.
+    pub fn read() -> Self {
+        let matches = Self::command().get_matches();
+        let mut cli = match Self::from_arg_matches(&matches) {
+            Ok(cli) => cli,
+            Err(e) => e.exit(),
+        };
+        if let (Command::Render(args), Some(matches)) =
+            (&mut cli.command, matches.subcommand_matches("render"))
+        {
+            apply(args, matches);
+        }
+        cli
+    }
+}
+
+/// Puts the settings of the quality where nothing was typed.
+fn apply(args: &mut RenderArgs, matches: &ArgMatches) {
+    let Some(preset) = args.quality else { return };
+    let typed = |id: &str| matches.value_source(id) == Some(ValueSource::CommandLine);
+    let settings = settings(preset);
+    if !["spp", "time", "noise"].into_iter().any(typed) {
+        args.stop.noise = Some(settings.noise);
+        args.stop.spp = Some(settings.spp);
+    }
+    if !typed("guide") && !typed("field") {
+        args.guide.guide = Some(settings.guide);
+    }
+    if !typed("photons") {
+        args.guide.learn.photons = Some(settings.photons);
+    }
+    if !typed("paths") {
+        args.guide.learn.paths = settings.paths;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(words: &str) -> RenderArgs {
+        let line = format!("twintree render scene.xml {words}");
+        let matches = Cli::command().try_get_matches_from(line.split_whitespace());
+        let matches = matches.unwrap();
+        let Command::Render(mut args) = Cli::from_arg_matches(&matches).unwrap().command else {
+            panic!("another command");
+        };
+        apply(&mut args, matches.subcommand_matches("render").unwrap());
+        *args
+    }
+
+    #[test]
+    fn what_is_typed_wins_over_a_quality() {
+        let args = read("--quality normal");
+        let expected = settings(Preset::Normal);
+        assert_eq!(args.stop.noise, Some(expected.noise));
+        assert_eq!(args.guide.learn.photons, Some(expected.photons));
+        let args = read("--quality normal --time 3s --photons 7 --guide none");
+        assert_eq!((args.stop.noise, args.stop.spp), (None, None));
+        assert_eq!(args.guide.learn.photons, Some(7));
+        assert_eq!(args.guide.guide, Some(Guide::None));
+        // The default, when typed, is typed.
+        let args = read("--quality draft --paths 2000000");
+        assert_eq!(args.guide.learn.paths, 2_000_000);
+        assert_eq!(read("").stop.noise, None);
+    }
+
+    #[test]
+    fn a_field_that_is_given_is_used() {
+        assert_eq!(read("--quality final --field a.field").guide.guide, None);
+    }
+
+    #[test]
+    fn a_better_quality_is_less_noise() {
+        let all = [Preset::Draft, Preset::Normal, Preset::Final].map(settings);
+        assert!(all.windows(2).all(|w| w[0].noise > 2.0 * w[1].noise));
+    }
+}

@@ -1,0 +1,381 @@
+//! `twintree sweep`: which settings suit a scene?
+//!
+//! Every configuration of a plan (`plan`) is run several times as a child process (`child`), round by
+//! round, so that a machine that is busy for a while slows all of them down and not one. After each run
+//! `report.json` is there to go on from; at the end, or when Ctrl-C or the budget ends it, the page is
+//! written from it ([`crate::report::sweep`]).
+
+mod child;
+mod machine;
+mod plan;
+mod state;
+
+use self::child::Outcome;
+use self::plan::SceneTraits;
+use super::interrupt::Interrupt;
+use super::load::Input;
+use super::sweep_args::{ClockBy, SweepArgs};
+use super::{Failure, console, load, output};
+use crate::image::Image;
+use crate::report::sweep::analysis::Findings;
+use crate::report::sweep::pictures::Pictures;
+use crate::report::sweep::{Clock, Configuration, Reference, Run, Setting, Sweep};
+use crate::report::words;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// Seeds of the rounds follow this one: references are rendered with small ones.
+const SEEDS: u64 = 1000;
+/// A run is this many times as long as learning.
+const LEARNING: f64 = 3.0;
+/// The shortest run: below it starting the program is all there is to measure.
+const SHORTEST: f64 = 0.1;
+
+/// What a sweep is about, beside its runs.
+struct Subject {
+    fingerprint: u64,
+    size: (u32, u32),
+    exposure: f32,
+    traits: SceneTraits,
+    reference: Image,
+}
+
+/// Runs the plan and writes the report.
+///
+/// # Errors
+/// When scene, reference or plan cannot be used, the report cannot be written, or after an interrupt.
+pub fn run(args: &SweepArgs, threads: Option<u16>) -> Result<(), Failure> {
+    let start = Instant::now();
+    let interrupt = Interrupt::listen(false)?;
+    let subject = Subject::load(args)?;
+    let configurations = match &args.plan {
+        Some(path) => plan::read(path)?,
+        None => plan::built_in(subject.traits),
+    };
+    let common = common_words(args, &subject, threads);
+    plan::check(&configurations, &common)?;
+    let setting = Setting {
+        version: env!("CARGO_PKG_VERSION").into(),
+        scene: args.scene.title(),
+        scene_fingerprint: format!("{:016x}", subject.fingerprint),
+        reference: reference(args, &subject)?,
+        common,
+        clock: match args.clock {
+            ClockBy::Wall => Clock::Wall,
+            ClockBy::Processors => Clock::Processors,
+        },
+        seconds: args.time.map_or(0.0, |t| t.as_secs_f64()),
+        rounds: args.rounds,
+        configurations,
+    };
+    if args.dry_run {
+        return print(&setting, args);
+    }
+    std::fs::create_dir_all(args.output.join("runs")).map_err(|e| {
+        let help = "name a directory that can be made with -o";
+        Failure::refused(
+            format!("{} cannot be made: {e}", args.output.display()),
+            help,
+        )
+    })?;
+    output::try_directory(&args.output.join("index.html"))?;
+    interrupt.be_patient();
+    let mut sweep = match state::read(&args.output, &setting)? {
+        Some(sweep) => sweep,
+        None => begin(setting, args, &interrupt)?,
+    };
+    sweep.command = child::typed(&std::env::args().skip(1).collect::<Vec<_>>());
+    sweep.machine = machine::ask();
+    let ended = go_through(&mut sweep, args, &interrupt, start + args.budget)?;
+    write_page(&sweep, args, &subject)?;
+    match ended {
+        Ended::Complete => Ok(()),
+        Ended::Interrupted => Err(Failure::Interrupted),
+        Ended::BudgetSpent => {
+            tracing::info!("the budget is spent: the same command goes on");
+            Ok(())
+        }
+    }
+}
+
+impl Subject {
+    fn load(args: &SweepArgs) -> Result<Self, Failure> {
+        let input = Input::of(&args.scene)?;
+        if matches!(input, Input::Models(_)) {
+            let message = format!("{} is no scene", args.scene.title());
+            return Err(Failure::wrong(message, "a sweep takes a scene file (.xml)"));
+        }
+        let loaded = load::load(&args.scene, &input, None)?;
+        let film = &loaded.description.film;
+        Ok(Self {
+            fingerprint: loaded.fingerprint()?,
+            size: (film.width, film.height),
+            exposure: film.exposure,
+            traits: SceneTraits {
+                sampler: loaded.description.render.sampler,
+                textures: loaded.textures().count > 0,
+            },
+            reference: crate::image::read_linear(&args.reference)?,
+        })
+    }
+}
+
+fn reference(args: &SweepArgs, subject: &Subject) -> Result<Reference, Failure> {
+    let bytes = std::fs::read(&args.reference)
+        .map_err(|e| Failure::Wrong(format!("{} cannot be read: {e}", args.reference.display())))?;
+    let relmse = crate::report::sweep::pictures::own_error(&subject.reference);
+    if relmse.is_none() {
+        tracing::warn!(
+            "{} has no variance layer: how clean it is nobody knows (render it with --aov variance)",
+            args.reference.display()
+        );
+    }
+    Ok(Reference {
+        path: args.reference.display().to_string(),
+        fingerprint: format!("{:016x}", xxhash_rust::xxh3::xxh3_64(&bytes)),
+        width: subject.reference.width,
+        height: subject.reference.height,
+        relmse,
+    })
+}
+
+/// The words of every run. The reference decides about the size, unless the command line does.
+fn common_words(args: &SweepArgs, subject: &Subject, threads: Option<u16>) -> Vec<String> {
+    let mut words: Vec<String> = Vec::new();
+    for definition in &args.scene.define {
+        words.push("-D".into());
+        words.push(format!("{}={}", definition.name, definition.value));
+    }
+    if args.scene.lenient {
+        words.push("--lenient".into());
+    }
+    let size = (subject.reference.width, subject.reference.height);
+    let sized = args.render.iter().any(|w| {
+        let sizes = ["--width", "--height", "--crop"];
+        sizes
+            .iter()
+            .any(|s| w == s || w.starts_with(&format!("{s}=")))
+    });
+    if !sized && size != subject.size {
+        let numbers = [size.0, size.1].map(|n| n.to_string());
+        let [width, height] = numbers;
+        words.extend(["--width".into(), width, "--height".into(), height]);
+    }
+    words.extend(args.render.iter().cloned());
+    if let Some(threads) = threads {
+        words.extend(["--threads".into(), threads.to_string()]);
+    }
+    // Messages are read only where a run fails.
+    words.push("--quiet".into());
+    words
+}
+
+/// Tries the first configuration for a moment, which says early what is wrong and brings all files into
+/// memory, and decides how long runs may take.
+fn begin(mut setting: Setting, args: &SweepArgs, interrupt: &Interrupt) -> Result<Sweep, Failure> {
+    let (moment, first) = (SHORTEST, &setting.configurations[0]);
+    let stats = file(args, first, "json");
+    let mut words = words_of(&setting, args, first, 0);
+    words.retain(|w| !w.starts_with("--time="));
+    words.push(format!("--time={moment}"));
+    let start = Instant::now();
+    let longest = Duration::from_secs(3600);
+    let rendered = match child::run(&words, &stats, longest, interrupt) {
+        Outcome::Measured(stats) => stats.render_seconds,
+        Outcome::Interrupted => return Err(Failure::Interrupted),
+        Outcome::Failed(why) => {
+            let message = format!(
+                "the first run failed: {why}\n  it was: {}",
+                child::typed(&words)
+            );
+            return Err(Failure::Wrong(message));
+        }
+    };
+    if args.time.is_none() {
+        let overhead = (start.elapsed().as_secs_f64() - rendered).max(0.0);
+        let left = args.budget.as_secs_f64() - start.elapsed().as_secs_f64();
+        setting.seconds = seconds_each(&setting, left, (overhead, rendered));
+    }
+    Ok(Sweep {
+        setting,
+        command: String::new(),
+        machine: machine::ask(),
+        runs: Vec::new(),
+    })
+}
+
+/// Seconds of rendering that each run gets. What the first run did not spend on samples is learning: a run
+/// that has no time for anything else says nothing about what was learned, so that a short budget makes
+/// fewer runs and no shorter ones.
+fn seconds_each(setting: &Setting, budget: f64, (overhead, learning): (f64, f64)) -> f64 {
+    let runs = setting.configurations.len() as f64 * f64::from(setting.rounds);
+    let least = (LEARNING * learning).max(SHORTEST);
+    let seconds = (budget / runs - overhead).max(least);
+    let needed = runs * (least + overhead);
+    if needed > budget {
+        tracing::warn!(
+            "the budget is for {:.0} of the {runs} runs: learning alone takes {}. All of them take {} or \
+             more, in one go or in several; --rounds or --plan make fewer",
+            (budget / (least + overhead)).floor(),
+            words::time(learning),
+            words::time(needed),
+        );
+    }
+    // Rounded, for it stands in every command.
+    (seconds * 100.0).ceil() / 100.0
+}
+
+/// Why no more runs are made.
+enum Ended {
+    Complete,
+    BudgetSpent,
+    Interrupted,
+}
+
+/// Makes the runs that are missing.
+fn go_through(
+    sweep: &mut Sweep,
+    args: &SweepArgs,
+    interrupt: &Interrupt,
+    deadline: Instant,
+) -> Result<Ended, Failure> {
+    let setting = sweep.setting.clone();
+    let total = setting.configurations.len() * setting.rounds as usize;
+    let (count, each) = (setting.configurations.len(), words::time(setting.seconds));
+    tracing::info!(
+        "{count} configurations, {} rounds, {each} each: {} of {total} runs are there",
+        setting.rounds,
+        sweep.runs.len()
+    );
+    let longest = Duration::from_secs_f64(60.0 + 10.0 * setting.seconds);
+    let mut made = 0;
+    for round in 0..setting.rounds {
+        for configuration in order(&setting.configurations, round) {
+            if sweep.has(&configuration.name, round) {
+                continue;
+            }
+            let runs_out = Instant::now() + Duration::from_secs_f64(setting.seconds) > deadline;
+            // One run at least, so that every start gets further.
+            if runs_out && made > 0 {
+                return Ok(Ended::BudgetSpent);
+            }
+            let words = words_of(&setting, args, configuration, round);
+            let start = Instant::now();
+            let stats = file(args, configuration, "json");
+            let (stats, failure) = match child::run(&words, &stats, longest, interrupt) {
+                Outcome::Interrupted => return Ok(Ended::Interrupted),
+                Outcome::Measured(stats) => (Some(*stats), None),
+                Outcome::Failed(why) => {
+                    tracing::warn!("{}: {why}", configuration.name);
+                    (None, Some(why))
+                }
+            };
+            made += 1;
+            sweep.runs.push(Run {
+                configuration: configuration.name.clone(),
+                round,
+                command: child::typed(&words),
+                failure,
+                wall_seconds: start.elapsed().as_secs_f64(),
+                stats,
+            });
+            state::write(&args.output, sweep)?;
+            say(sweep, total);
+        }
+    }
+    Ok(Ended::Complete)
+}
+
+fn say(sweep: &Sweep, total: usize) {
+    let Some(run) = sweep.runs.last() else { return };
+    let error = run.stats.as_ref().and_then(|s| s.errors.last());
+    let error = error.map_or("no measurement".into(), |e| {
+        format!("relMSE {}", crate::report::table::number(e.relmse_trimmed))
+    });
+    let (done, name, round) = (sweep.runs.len(), &run.configuration, run.round + 1);
+    tracing::info!("{done}/{total}  {name}, round {round}: {error}");
+}
+
+/// The configurations of a round. The first stays first; the others begin elsewhere each time, and go
+/// backwards every other round, so that none always follows the same.
+fn order(configurations: &[Configuration], round: u32) -> Vec<&Configuration> {
+    let mut list: Vec<&Configuration> = configurations.iter().collect();
+    let others = list.get_mut(1..).unwrap_or_default();
+    if round % 2 == 1 {
+        others.reverse();
+    }
+    if !others.is_empty() {
+        others.rotate_left(round as usize * 7 % others.len());
+    }
+    list
+}
+
+/// A file of a configuration in the directory of the report.
+fn file(args: &SweepArgs, configuration: &Configuration, ending: &str) -> PathBuf {
+    let name = format!("{}.{ending}", configuration.name);
+    args.output.join("runs").join(name)
+}
+
+/// The words of a run.
+fn words_of(
+    setting: &Setting,
+    args: &SweepArgs,
+    configuration: &Configuration,
+    round: u32,
+) -> Vec<String> {
+    let path = |ending| file(args, configuration, ending).display().to_string();
+    let mut words = vec!["render".to_owned(), setting.scene.clone()];
+    words.extend(setting.common.iter().cloned());
+    words.extend(configuration.options.iter().cloned());
+    words.push(format!("--seed={}", SEEDS + 1 + u64::from(round)));
+    words.push(format!("--time={}", setting.seconds));
+    words.push(format!("--reference={}", setting.reference.path));
+    words.push(format!("--stats={}", path("json")));
+    words.push(format!("--output={}", path("exr")));
+    words
+}
+
+/// What would be run.
+fn print(setting: &Setting, args: &SweepArgs) -> Result<(), Failure> {
+    let mut setting = setting.clone();
+    if args.time.is_none() {
+        let runs = setting.configurations.len() as f64 * f64::from(setting.rounds);
+        let seconds = args.budget.as_secs_f64() / runs;
+        setting.seconds = (seconds * 100.0).floor().max(10.0) / 100.0;
+        tracing::info!("the time of each run will be a little less: starting costs, too");
+    }
+    let mut text = String::new();
+    for round in 0..setting.rounds {
+        for configuration in order(&setting.configurations, round) {
+            text += &child::typed(&words_of(&setting, args, configuration, round));
+            text.push('\n');
+        }
+    }
+    console::print_result(&text)
+}
+
+fn write_page(sweep: &Sweep, args: &SweepArgs, subject: &Subject) -> Result<(), Failure> {
+    let findings = Findings::of(sweep);
+    if findings.configurations.is_empty() {
+        tracing::warn!("no run has measured anything: there is no page to write");
+        return Ok(());
+    }
+    let image = |name: &str| -> Option<Image> {
+        let path = args.output.join("runs").join(format!("{name}.exr"));
+        crate::image::read_linear(&path).ok()
+    };
+    let pictures = Pictures::of(
+        sweep,
+        &findings,
+        &subject.reference,
+        subject.exposure,
+        image,
+    );
+    let page = crate::report::sweep::page::page(sweep, &findings, &pictures);
+    let path = args.output.join("index.html");
+    output::write_text(&path, &page)?;
+    output::write_text(&args.output.join("report.json"), &sweep.to_json(&findings))?;
+    tracing::info!("wrote {}", path.display());
+    console::print_result(&(crate::report::sweep::page::conclusion(sweep, &findings) + "\n"))?;
+    Ok(())
+}

@@ -1,0 +1,103 @@
+//! What can be typed for `twintree table1`.
+
+use crate::cli::args::{Accel, LightArgs};
+use crate::cli::values::{self, Definition};
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// Arguments of `twintree table1`.
+#[derive(Args, Debug)]
+pub struct Table1Args {
+    /// Scene file; can be given often [default: scenes/pool/pool.xml and scenes/door/door.xml]
+    #[arg(long = "scene", value_name = "FILE", help_heading = "Scene")]
+    pub scenes: Vec<PathBuf>,
+    /// Value of a $key in the scenes; can be given often
+    #[arg(
+        short = 'D',
+        long = "define",
+        value_name = "KEY=VALUE",
+        help_heading = "Scene"
+    )]
+    pub define: Vec<Definition>,
+    /// Put something plain in the place of what is not supported, with a warning, instead of giving up
+    #[arg(long, help_heading = "Scene")]
+    pub lenient: bool,
+    /// Width in pixels; the height follows the scene's proportions
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=crate::cli::args::MAX_SIDE), help_heading = "Picture")]
+    pub width: Option<u32>,
+    /// Samples a pixel
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u64).range(1..=1 << 32), help_heading = "Picture")]
+    pub spp: u64,
+    /// Methods to compare
+    #[arg(
+        long = "method",
+        value_name = "NAMES",
+        value_delimiter = ',',
+        default_value = "none,gmm,double,double-vmf",
+        help_heading = "Guiding"
+    )]
+    pub methods: Vec<Method>,
+    /// Batches of photons
+    #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..=1 << 16), help_heading = "Guiding")]
+    pub batches: u32,
+    /// Photon paths a batch
+    #[arg(long, value_name = "N", default_value_t = 300_000, value_parser = clap::value_parser!(u64).range(1..=1 << 32), help_heading = "Guiding")]
+    pub photons: u64,
+    /// Memory for a field while it is learned, such as 64M
+    #[arg(long, value_name = "BYTES", default_value = "256M", value_parser = values::bytes, help_heading = "Guiding")]
+    pub guide_memory: usize,
+    /// Times that everything is done, with a seed of its own each; medians count. The methods take turns
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000), help_heading = "Measurement")]
+    pub repeats: u32,
+    /// Image to measure errors against, one for each scene, in their order; without it one is rendered
+    #[arg(long = "reference", value_name = "FILE", help_heading = "Measurement")]
+    pub references: Vec<PathBuf>,
+    /// Samples a pixel of a reference that is rendered [default: 16 times --spp]
+    #[arg(long, value_name = "N", conflicts_with = "references", value_parser = clap::value_parser!(u64).range(1..=1 << 32), help_heading = "Measurement")]
+    pub reference_spp: Option<u64>,
+    /// Directory that keeps rendered references for the next time
+    #[arg(
+        long,
+        value_name = "DIRECTORY",
+        default_value = ".",
+        help_heading = "Measurement"
+    )]
+    pub cache: PathBuf,
+    /// Write the numbers as JSON
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub json: Option<PathBuf>,
+    /// Directory for the images of the last repeat: SCENE-METHOD.png
+    #[arg(short, long, value_name = "DIRECTORY", help_heading = "Output")]
+    pub output: Option<PathBuf>,
+    /// Light transport.
+    #[command(flatten)]
+    pub light: LightArgs,
+    /// Ray tracer [default: embree, where it was compiled in]
+    #[arg(long, value_name = "NAME", help_heading = "Machine")]
+    pub accel: Option<Accel>,
+}
+
+/// What is compared.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// Plain path tracing
+    None,
+    /// Cached Gaussian mixtures (Vorba et al. 2014)
+    Gmm,
+    /// The double hierarchy with constants
+    Double,
+    /// The double hierarchy with von Mises-Fisher lobes
+    DoubleVmf,
+}
+
+impl Method {
+    /// Its name, as it is typed.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Gmm => "gmm",
+            Self::Double => "double",
+            Self::DoubleVmf => "double-vmf",
+        }
+    }
+}

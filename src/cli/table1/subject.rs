@@ -1,0 +1,233 @@
+//! A scene that is rendered by one method after the other.
+
+use super::args::{Method, Table1Args};
+use crate::camera::Camera;
+use crate::cli::args::{RayArgs, SceneArgs};
+use crate::cli::load::{self, Input, Loaded};
+use crate::cli::{Failure, overrides};
+use crate::film::layers::{Layers, Metadata};
+use crate::film::{Film, FilmDescription};
+use crate::guide::ModelKind;
+use crate::image::Image;
+use crate::integrate::PathSettings;
+use crate::integrate::guiding::Guidance;
+use crate::integrate::learn::{LearnSettings, Learner};
+use crate::integrate::learn_gmm::learn_mixtures;
+use crate::integrate::render::{Limits, Observer, Progress, View, render};
+use crate::photon::PhotonSettings;
+use crate::photon::schedule::Budget;
+use crate::scene::Scene;
+use std::path::Path;
+use std::time::{Duration, Instant};
+use xxhash_rust::xxh3::xxh3_64;
+
+/// Batches of the double hierarchy, each twice as large as the one before: the program's own default.
+pub const DOUBLING_BATCHES: u32 = 8;
+
+/// A scene, built.
+pub struct Subject {
+    name: String,
+    loaded: Loaded,
+    scene: Scene,
+    camera: Camera,
+    settings: PathSettings,
+    fingerprint: u64,
+    spp: u64,
+    photons: u64,
+    batches: u32,
+    memory: u64,
+}
+
+/// What one method came to.
+pub struct Run {
+    /// The image.
+    pub image: Image,
+    /// Bytes of the field.
+    pub memory_bytes: u64,
+    /// Bytes that it took while it was learned.
+    pub training_bytes: u64,
+    /// Time of learning.
+    pub preprocessing: Duration,
+    /// Time of rendering.
+    pub rendering: Duration,
+}
+
+/// Renders without a word.
+pub struct Silent;
+
+impl Observer for Silent {
+    fn pass_done(&self, _: &Progress, _: &Film) {}
+    fn should_stop(&self) -> bool {
+        false
+    }
+}
+
+impl Subject {
+    /// Reads and builds a scene.
+    ///
+    /// # Errors
+    /// When it cannot be used, or nothing shines in it.
+    pub fn load(args: &Table1Args, path: &Path) -> Result<Self, Failure> {
+        let named = SceneArgs::of(path, &args.define, args.lenient);
+        let mut loaded = load::load(&named, &Input::of(&named)?, None)?;
+        overrides::resize(&mut loaded.description.film, args.width, None);
+        let film = &mut loaded.description.film;
+        film.crop = None;
+        overrides::check_memory([0, 0, film.width, film.height])?;
+        let fingerprint = loaded.fingerprint()?;
+        let scene = loaded.build(&RayArgs {
+            accel: args.accel,
+            ..RayArgs::default()
+        })?;
+        if scene.lights.is_empty() {
+            let message = format!(
+                "{}: nothing shines, there is nothing to compare",
+                path.display()
+            );
+            return Err(Failure::wrong(message, "add an emitter to the scene"));
+        }
+        let description = &loaded.description;
+        let film = &description.film;
+        let name = path.file_stem().map(|n| n.to_string_lossy().into_owned());
+        Ok(Self {
+            name: name.unwrap_or_default(),
+            camera: Camera::new(&description.camera, film.width, film.height),
+            settings: overrides::path_settings(&args.light, &description.render),
+            loaded,
+            scene,
+            fingerprint,
+            spp: args.spp,
+            photons: args.photons.saturating_mul(u64::from(args.batches)),
+            batches: args.batches,
+            memory: args.guide_memory as u64,
+        })
+    }
+
+    /// The scene file's name without its end.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The film.
+    pub fn film(&self) -> &FilmDescription {
+        &self.loaded.description.film
+    }
+
+    /// A number for everything that the expected image depends on.
+    pub fn identity(&self) -> u64 {
+        let settings = PathSettings {
+            seed: 0,
+            ..self.settings.clone()
+        };
+        let film = self.film();
+        let words = format!("{:x} {settings:?} {:?}", self.fingerprint, film.filter);
+        xxh3_64(words.as_bytes())
+    }
+
+    /// How paths are traced with another seed.
+    pub fn settings(&self, seed: u64) -> PathSettings {
+        PathSettings {
+            seed,
+            ..self.settings.clone()
+        }
+    }
+
+    /// The seed of the whole comparison.
+    pub fn seed(&self) -> u64 {
+        self.settings.seed
+    }
+
+    /// What is looked at, unguided.
+    pub fn view<'a>(&'a self, settings: &'a PathSettings) -> View<'a> {
+        View {
+            scene: &self.scene,
+            camera: &self.camera,
+            film: self.film(),
+            settings,
+            guide: None,
+        }
+    }
+
+    /// How fields are learned: from photons alone.
+    pub fn learning(
+        &self,
+        settings: &PathSettings,
+        batches: u32,
+        model: ModelKind,
+    ) -> LearnSettings {
+        LearnSettings {
+            photons: Budget::Exactly {
+                photons: self.photons,
+                batches,
+            },
+            paths: 0,
+            mixture: None,
+            batches,
+            memory: self.memory,
+            photon: PhotonSettings {
+                max_bounces: settings
+                    .max_depth
+                    .saturating_sub(2)
+                    .min(overrides::UNLIMITED_BOUNCES),
+                roulette_after: settings.rr_depth.saturating_sub(2),
+                seed: settings.seed,
+            },
+            model,
+        }
+    }
+
+    /// Learns and renders once.
+    ///
+    /// # Errors
+    /// When there is nothing to learn from.
+    pub fn run(&self, method: Method, repeat: u32) -> Result<Run, Failure> {
+        let settings = self.settings(self.settings.seed.wrapping_add(u64::from(repeat)));
+        let view = self.view(&settings);
+        let start = Instant::now();
+        let model = match method {
+            Method::None => return Ok(self.draw(&view, None, [0, 0], Duration::ZERO)),
+            Method::Gmm => {
+                let how = self.learning(&settings, self.batches, ModelKind::default());
+                let learned = learn_mixtures(&view, &how)?;
+                let bytes = [learned.mixtures.bytes(), learned.training_bytes];
+                let guide = (&learned.mixtures).into();
+                return Ok(self.draw(&view, Some(guide), bytes, start.elapsed()));
+            }
+            Method::Double => ModelKind::Constant,
+            Method::DoubleVmf => ModelKind::Vmf,
+        };
+        let how = self.learning(&settings, DOUBLING_BATCHES, model);
+        let learner = Learner::new(&view, &how)?;
+        let elapsed = start.elapsed();
+        let bytes = [
+            learner.guide().field.bytes(),
+            learner.stats().training_bytes,
+        ];
+        Ok(self.draw(&view, Some(learner.guide().into()), bytes, elapsed))
+    }
+
+    fn draw(
+        &self,
+        view: &View,
+        guide: Option<Guidance>,
+        [memory_bytes, training_bytes]: [u64; 2],
+        preprocessing: Duration,
+    ) -> Run {
+        let view = View { guide, ..*view };
+        let mut film = Film::new(self.film());
+        let limits = Limits {
+            spp: self.spp,
+            time: None,
+            noise: None,
+        };
+        let start = Instant::now();
+        render(&view, &mut film, &limits, &Silent);
+        Run {
+            rendering: start.elapsed(),
+            image: film.image(Layers::NONE, &Metadata::default()),
+            memory_bytes,
+            training_bytes,
+            preprocessing,
+        }
+    }
+}

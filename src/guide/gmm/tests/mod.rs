@@ -1,0 +1,5 @@
+//! Tests of cached mixtures.
+
+mod hostile;
+mod learning;
+mod sampling;
