@@ -15,8 +15,6 @@ use crate::texture::Texture;
 const COAT_IOR: f32 = 1.5;
 /// Narrowest facets of a rough coat; smoother ones are taken as smooth.
 const SMOOTH: f32 = 1e-3;
-/// Reflectance at normal incidence below which a dielectric is diffuse alone.
-const LEAST_F0: f32 = 1e-5;
 
 fn number(value: f32) -> Texture {
     Texture::Constant(Rgb::splat(value))
@@ -71,7 +69,9 @@ impl Importer<'_> {
         let extension = Extension::of(&material.extensions, "KHR_materials_transmission");
         let factor = extension.map_or(0.0, |e| e.number("transmissionFactor", 0.0));
         let Some(extension) = extension.filter(|_| factor > 0.0) else {
-            return Ok((self.opaque(&core, sheen), false));
+            let eta = ior_of(core.f0);
+            let opaque = principled(&core, number(0.0), eta, sheen);
+            return Ok((self.push(opaque), false));
         };
         let info = extension.texture("transmissionTexture");
         let share = self.textured(info.as_ref(), Use::Channel(0), Rgb::splat(factor))?;
@@ -98,36 +98,6 @@ impl Importer<'_> {
             second: metal,
         };
         Ok((self.push(blend), true))
-    }
-
-    /// The body that no light passes through: a dielectric, a metal, or as much of each as the file says.
-    ///
-    /// Appendix B of the specification has a dielectric keep from its diffuse base what its facets reflect.
-    /// That is rough plastic; the diffuse lobe of `principled` would shine 5 to 8 % too bright under a white
-    /// sky. Sheen is known to `principled` alone.
-    fn opaque(&mut self, core: &Core, sheen: f32) -> MaterialId {
-        let eta = ior_of(core.f0);
-        let metallic = core.metallic.constant();
-        if sheen > 0.0 || metallic == Some(Rgb::ONE) {
-            return self.push(principled(core, number(0.0), eta, sheen));
-        }
-        let dielectric = self.push(plastic(core, eta));
-        if metallic == Some(Rgb::ZERO) {
-            return dielectric;
-        }
-        let metal = Core {
-            color: core.color.clone(),
-            alpha: core.alpha.clone(),
-            roughness: core.roughness.clone(),
-            metallic: number(1.0),
-            ..*core
-        };
-        let metal = self.push(principled(&metal, number(0.0), eta, 0.0));
-        self.push(Material::Blend {
-            weight: core.metallic.clone(),
-            first: dielectric,
-            second: metal,
-        })
     }
 
     /// What is left of light on its way through the volume that the surface encloses; `None` for thin
@@ -239,30 +209,6 @@ fn coating(alpha: f32, inner: MaterialId) -> Material {
         sigma_a,
         specular_reflectance,
         inner,
-    }
-}
-
-/// A diffuse base under rough facets; without facets where those would reflect nothing.
-fn plastic(core: &Core, eta: f32) -> Material {
-    let reflectance = core.color.clone();
-    if core.f0 < LEAST_F0 {
-        return Material::Diffuse { reflectance };
-    }
-    let alpha = core.roughness.clone().times(core.roughness.clone());
-    let alpha = match alpha.constant() {
-        Some(alpha) => Texture::Constant(alpha.max(Rgb::splat(SMOOTH))),
-        None => alpha,
-    };
-    Material::RoughPlastic {
-        eta,
-        roughness: Roughness {
-            distribution: Distribution::Ggx,
-            alpha_u: alpha.clone(),
-            alpha_v: alpha,
-        },
-        diffuse_reflectance: reflectance,
-        specular_reflectance: white(),
-        nonlinear: false,
     }
 }
 

@@ -1,13 +1,11 @@
-//! Materials: metallic-roughness and its extensions as plastic and metal and what is laid around them.
+//! Materials: metallic-roughness and its extensions as `principled` and what is laid around it.
 //!
 //! ```text
-//!  Mask (alpha) > TwoSided > NormalMap > Blend (clear coat) > Blend (metalness) > rough plastic
-//!                                                                               > principled
+//!  Mask (alpha) > TwoSided > NormalMap > Blend (clear coat) > principled, or principledthin
 //! ```
 //!
-//! All models take the square of a perceptual roughness as the width of GGX facets, and 0.04 as the
-//! reflectance of a dielectric of index 1.5. Transmission and sheen are `principled`'s or, where the
-//! surface is thin, `principledthin`'s. Nothing is culled: opaque surfaces are the same from both
+//! Both models take the square of a perceptual roughness as the width of GGX facets, and 0.04 as the
+//! reflectance of a dielectric of index 1.5. Nothing is culled: opaque surfaces are the same from both
 //! sides, as light that bounces needs it. A transmitting surface without `KHR_materials_volume` is thin.
 
 use super::extension::Extension;

@@ -40,75 +40,21 @@ fn value(texture: &Texture) -> f32 {
     texture.constant().unwrap().x
 }
 
-/// A dielectric: its colour, and the width of its facets.
-fn dielectric(material: &Material) -> (Option<Rgb>, f32) {
-    match material {
-        Material::RoughPlastic {
-            eta,
-            roughness,
-            diffuse_reflectance,
-            nonlinear,
-            ..
-        } => {
-            assert!((eta - 1.5).abs() < 1e-5 && !nonlinear);
-            (diffuse_reflectance.constant(), value(&roughness.alpha_u))
-        }
-        other => panic!("{other:?}"),
-    }
-}
-
 #[test]
-fn factors_become_plastic_and_metal() {
-    let factors = |metallic: f32| {
-        made_of(json!({"pbrMetallicRoughness": {
-            "baseColorFactor": [0.1, 0.2, 0.3, 1], "metallicFactor": metallic, "roughnessFactor": 0.75,
-        }}))
-    };
-    let color = Some(Rgb::new(0.1, 0.2, 0.3));
-    let parts = factors(1.0);
-    let metal = |p: &Principled| {
-        (
-            p.base_color.constant(),
-            value(&p.metallic),
-            value(&p.roughness),
-        )
-    };
-    assert_eq!(metal(principled(&parts)), (color, 1.0, 0.75));
-    let parts = factors(0.0);
-    let found = core(&parts, parts.shapes[0].material);
-    // Facets are as wide as the square of the roughness.
-    assert_eq!(dielectric(found), (color, 0.5625));
-    let parts = factors(0.25);
-    let Material::Blend {
-        weight,
-        first,
-        second,
-    } = core(&parts, parts.shapes[0].material)
-    else {
-        panic!("{parts:?}")
-    };
-    assert_eq!(value(weight), 0.25);
-    assert_eq!(dielectric(core(&parts, *first)), (color, 0.5625));
-    match core(&parts, *second) {
-        Material::Principled(p) => assert_eq!(metal(p), (color, 1.0, 0.75)),
-        other => panic!("{other:?}"),
-    }
-}
-
-#[test]
-fn no_material_is_white_rough_metal_and_no_reflectance_is_diffuse() {
-    // As the specification says.
+fn factors_become_the_principled_models() {
+    let parts = made_of(json!({"pbrMetallicRoughness": {
+        "baseColorFactor": [0.1, 0.2, 0.3, 1], "metallicFactor": 0.25, "roughnessFactor": 0.75,
+    }}));
+    let p = principled(&parts);
+    assert_eq!(p.base_color.constant(), Some(Rgb::new(0.1, 0.2, 0.3)));
+    assert_eq!((value(&p.metallic), value(&p.roughness)), (0.25, 0.75));
+    assert!((p.eta - 1.5).abs() < 1e-5);
+    // Without a material at all: white, rough metal, as the specification says.
     let mut file = File::triangle();
     file.json["materials"] = json!([]);
     let parts = file.load();
     let p = principled(&parts);
     assert_eq!((value(&p.metallic), value(&p.roughness)), (1.0, 1.0));
-    let parts = made_of(json!({
-        "pbrMetallicRoughness": {"metallicFactor": 0},
-        "extensions": {"KHR_materials_specular": {"specularFactor": 0}},
-    }));
-    let found = core(&parts, parts.shapes[0].material);
-    assert!(matches!(found, Material::Diffuse { .. }), "{found:?}");
 }
 
 #[test]
@@ -243,14 +189,7 @@ fn vertex_colours_multiply_the_base() {
     let colors = file.floats(&[[0.5f32, 0.25, 1.0, 0.5]; 3]);
     file.primitive()["attributes"]["COLOR_0"] = colors.into();
     let parts = file.load();
-    let found = core(&parts, parts.shapes[0].material);
-    let Material::RoughPlastic {
-        diffuse_reflectance: color,
-        ..
-    } = found
-    else {
-        panic!("{found:?}")
-    };
+    let color = &principled(&parts).base_color;
     assert!(matches!(color, Texture::MeshAttribute(_)), "{color:?}");
     let attribute = &mesh(&parts, 0).attributes.list[0];
     assert_eq!(attribute.values, [Rgb::new(0.5, 0.25, 1.0); 3]);
