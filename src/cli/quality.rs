@@ -1,6 +1,6 @@
 //! `--quality`: a few settings under one name. Options that are typed win over it.
 //!
-//! The numbers come from `twintree sweep`; the README has the table.
+//! The README has the table of what they stand for; `twintree sweep` finds what suits a scene.
 
 use super::args::{Cli, Command, Preset, RenderArgs};
 use super::field_args::Guide;
