@@ -88,11 +88,11 @@ enum Ended {
 fn wait(child: &mut Child, longest: Duration, interrupt: &Interrupt) -> Ended {
     let start = Instant::now();
     let ended = loop {
-        // An error means that there is nothing to wait for.
+        // A run that has ended is not to be signalled: its number may be another's by now.
         match child.try_wait() {
             Ok(None) => {}
             Ok(Some(status)) if !interrupt.requested() => return Ended::Itself(status),
-            _ => break Ended::Interrupted,
+            Ok(Some(_)) | Err(_) => return Ended::Interrupted,
         }
         if interrupt.requested() {
             break Ended::Interrupted;
