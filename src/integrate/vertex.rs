@@ -128,19 +128,11 @@ struct Vertex<'v, 's> {
     wo: Vec3,
 }
 
-/// MIS weight of light that the path met by itself, against next-event estimation, which would have
-/// drawn it with density `light_pdf`. What no light sample can find (through a delta lobe, or straight
-/// from the camera) counts in full, and its density is not asked for.
-#[inline]
-fn weight_of_hit(path: &Path, light_pdf: impl FnOnce() -> f32) -> f32 {
-    if path.pdf.is_finite() {
-        power_heuristic(path.pdf, light_pdf())
-    } else {
-        1.0
-    }
-}
-
 /// Adds what shines from outside the scene.
+///
+/// MIS weighs light that the path met by itself against next-event estimation, which would have drawn it
+/// with the density that the lights tell. What no light sample can find (through a delta lobe, or straight
+/// from the camera) counts in full, and its density is not asked for.
 fn add_environment(
     scene: &Scene,
     settings: &PathSettings,
@@ -152,18 +144,20 @@ fn add_environment(
     if hidden || !scene.lights.has_environment() {
         return;
     }
-    let radiance = scene.lights.environment(ray.dir);
+    let lights = &scene.lights;
+    let (radiance, weight) = if path.pdf.is_finite() {
+        let (radiance, pdf) = lights.environment_pdf(path.from, path.from_normal, ray.dir);
+        (radiance, power_heuristic(path.pdf, pdf))
+    } else {
+        (lights.environment(ray.dir), 1.0)
+    };
     if radiance == Rgb::ZERO {
         return;
     }
-    let weight = weight_of_hit(path, || {
-        let lights = &scene.lights;
-        lights.pdf_environment(path.from, path.from_normal, ray.dir)
-    });
     outcome.radiance += path.throughput * radiance * weight;
 }
 
-/// Adds what the surface itself emits.
+/// Adds what the surface itself emits, weighed as above.
 fn add_emission(
     scene: &Scene,
     settings: &PathSettings,
@@ -180,12 +174,14 @@ fn add_emission(
     if radiance == Rgb::ZERO {
         return;
     }
-    let weight = weight_of_hit(path, || {
+    let weight = if path.pdf.is_finite() {
         let (from, n) = (path.from, path.from_normal);
-        scene
-            .lights
-            .pdf_area(from, n, emitter, point.prim, point.p, point.ng)
-    });
+        let lights = &scene.lights;
+        let pdf = lights.pdf_area(from, n, emitter, point.prim, point.p, point.ng);
+        power_heuristic(path.pdf, pdf)
+    } else {
+        1.0
+    };
     outcome.radiance += path.throughput * radiance * weight;
 }
 

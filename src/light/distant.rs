@@ -108,26 +108,27 @@ impl Distant {
         }
     }
 
-    /// Density of [`Distant::sample`]; 0 for parallel light.
+    /// Radiance from `dir`, and the density of [`Distant::sample`] there; 0 both for parallel light, which
+    /// no ray meets.
     #[inline]
-    pub fn pdf(&self, n: Vec3, dir: Vec3) -> f32 {
+    pub fn radiance_pdf(&self, n: Vec3, dir: Vec3) -> (Rgb, f32) {
         match self {
-            Distant::Constant(_) if n == Vec3::ZERO => 0.25 * FRAC_1_PI,
-            Distant::Constant(_) => cosine_hemisphere_pdf(n.dot(dir)),
-            Distant::Map(map) => map.pdf(dir),
-            Distant::Sun(sun) if sun.contains(dir) => uniform_cone_pdf(sun.one_minus_cos),
-            Distant::Sun(_) | Distant::Parallel { .. } => 0.0,
+            Distant::Constant(radiance) if n == Vec3::ZERO => (*radiance, 0.25 * FRAC_1_PI),
+            Distant::Constant(radiance) => (*radiance, cosine_hemisphere_pdf(n.dot(dir))),
+            Distant::Map(map) => map.radiance_pdf(dir),
+            Distant::Sun(sun) if sun.contains(dir) => {
+                (sun.radiance, uniform_cone_pdf(sun.one_minus_cos))
+            }
+            Distant::Sun(_) | Distant::Parallel { .. } => (Rgb::ZERO, 0.0),
         }
     }
 
-    /// Radiance from `dir`; 0 for parallel light, which no ray meets.
+    /// Radiance from `dir`; 0 for parallel light.
     #[inline]
     pub fn radiance(&self, dir: Vec3) -> Rgb {
         match self {
-            Distant::Constant(radiance) => *radiance,
             Distant::Map(map) => map.radiance(dir),
-            Distant::Sun(sun) if sun.contains(dir) => sun.radiance,
-            Distant::Sun(_) | Distant::Parallel { .. } => Rgb::ZERO,
+            _ => self.radiance_pdf(Vec3::ZERO, dir).0,
         }
     }
 

@@ -2,11 +2,13 @@
 //!
 //! The layout is Mitsuba 3's: local +y is up, row 0 is the zenith and the last row the end of the map
 //! (the nadir); column centres lie half a column apart from the seam, which is at local -z. Values are
-//! bilinear between texels, and so is the density: a cell between four texels is chosen by the sum of
-//! their weights (brightness times sine of the polar angle), then a place in it from the bilinear
-//! patch through them. Where a sun covers a few texels the density follows its flanks exactly.
+//! bilinear between texels, and so is the density where neighbours differ (see `blocks`): a cell between
+//! four texels is chosen by the sum of their weights (brightness times sine of the polar angle), then a
+//! place in it from the bilinear patch through them. Where a sun covers a few texels the density follows
+//! its flanks exactly.
 
-use crate::math::distribution::{Grid, sample_linear, widen};
+use super::blocks::Blocks;
+use crate::math::distribution::sample_linear;
 use crate::math::rgb::selection_weight;
 use crate::math::{Mat3, Rgb, Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI, TAU};
@@ -17,7 +19,7 @@ pub(super) struct LatLong {
     width: usize,
     height: usize,
     pixels: Vec<Rgb>,
-    cells: Grid,
+    cells: Blocks,
     /// Weight of each row: the sine of its polar angle, above 0 at the poles.
     row_weight: Vec<f32>,
     /// Polar angle of the last row.
@@ -51,13 +53,8 @@ impl LatLong {
                 (y as f32 * step).sin().max((0.25 * step).sin())
             })
             .collect();
-        let weight = |x: usize, y: usize| {
-            f64::from(selection_weight(pixels[y * width + x % width]) * row_weight[y])
-        };
-        let cells = Grid::new(width, height - 1, |y, row| {
-            for (x, cell) in row.iter_mut().enumerate() {
-                *cell = weight(x, y) + weight(x + 1, y) + weight(x, y + 1) + weight(x + 1, y + 1);
-            }
+        let cells = Blocks::new(width, row_weight.clone(), |x, y| {
+            selection_weight(pixels[y * width + x])
         })?;
         let integral = integrate(&pixels, size, theta_max);
         Some(Self {
@@ -85,38 +82,48 @@ impl LatLong {
             .map_or(Rgb::ZERO, |p| bilinear(self.texels(&p), p.at))
     }
 
-    /// Density of [`LatLong::sample`] in the world direction `dir`.
+    /// Radiance from the world direction `dir` and the density of [`LatLong::sample`] there.
     #[inline]
-    pub fn pdf(&self, dir: Vec3) -> f32 {
-        self.patch(dir).map_or(0.0, |p| {
-            let probability = self.cells.probability(p.x, p.y);
-            self.density(&p, self.weights(&p, &self.texels(&p)), probability)
-        })
+    pub fn radiance_pdf(&self, dir: Vec3) -> (Rgb, f32) {
+        let Some(patch) = self.patch(dir) else {
+            return (Rgb::ZERO, 0.0);
+        };
+        let texels = self.texels(&patch);
+        let (mean, fine) = self.cells.density([patch.x, patch.y], patch.at);
+        let density = if fine {
+            mean * Self::relative(&patch, self.weights(&patch, &texels))
+        } else {
+            mean
+        };
+        let pdf = self.per_solid_angle(density, patch.sin_theta);
+        (bilinear(texels, patch.at), pdf)
     }
 
     /// A world direction, the radiance from there, and the density.
     #[inline]
     pub fn sample(&self, u: Vec2) -> Option<(Vec3, Rgb, f32)> {
-        let salt = u64::from(u.x.to_bits()) << 32 | u64::from(u.y.to_bits());
-        let (column, row) = self.cells.sample(widen(u.x, salt), widen(u.y, !salt));
+        let drawn = self.cells.sample(u);
         let mut patch = Patch {
-            x: column.index,
-            y: row.index,
-            at: Vec2::ZERO,
+            x: drawn.cell[0],
+            y: drawn.cell[1],
+            at: drawn.at,
             sin_theta: 0.0,
         };
         let texels = self.texels(&patch);
-        let w = self.weights(&patch, &texels);
-        let t = sample_linear(w[0] + w[1], w[2] + w[3], row.rest);
-        let s = sample_linear(lerp(w[0], w[2], t), lerp(w[1], w[3], t), column.rest);
-        patch.at = Vec2::new(s, t);
-        let phi = (patch.x as f32 + 0.5 + s) * (TAU / self.width as f32);
-        let theta = (patch.y as f32 + t) * (self.theta_max / (self.height - 1) as f32);
+        let mut density = drawn.density;
+        if drawn.fine {
+            let w = self.weights(&patch, &texels);
+            let t = sample_linear(w[0] + w[1], w[2] + w[3], drawn.at.y);
+            let s = sample_linear(lerp(w[0], w[2], t), lerp(w[1], w[3], t), drawn.at.x);
+            patch.at = Vec2::new(s, t);
+            density *= Self::relative(&patch, w);
+        }
+        let phi = (patch.x as f32 + 0.5 + patch.at.x) * (TAU / self.width as f32);
+        let theta = (patch.y as f32 + patch.at.y) * (self.theta_max / (self.height - 1) as f32);
         let (sin_theta, cos_theta) = theta.sin_cos();
         let (sin_phi, cos_phi) = phi.sin_cos();
-        patch.sin_theta = sin_theta;
-        let pdf = self.density(&patch, w, column.probability * row.probability);
-        if sin_theta <= 0.0 || pdf.is_nan() || pdf <= 0.0 {
+        let pdf = self.per_solid_angle(density, sin_theta);
+        if pdf.is_nan() || pdf <= 0.0 {
             return None;
         }
         let dir = Vec3::new(sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta);
@@ -168,17 +175,23 @@ impl LatLong {
         ]
     }
 
-    /// Density in solid angle at a place of a patch that was chosen with `probability`.
+    /// Density at a place of a patch over its mean: bilinear between the weights of its corners.
     #[inline]
-    fn density(&self, p: &Patch, w: [f32; 4], probability: f32) -> f32 {
+    fn relative(p: &Patch, w: [f32; 4]) -> f32 {
         let sum = w[0] + w[1] + w[2] + w[3];
-        if sum <= 0.0 || p.sin_theta <= 0.0 {
+        if sum <= 0.0 {
             return 0.0;
         }
-        let here = lerp(lerp(w[0], w[1], p.at.x), lerp(w[2], w[3], p.at.x), p.at.y);
-        let cells = (self.width * (self.height - 1)) as f32;
-        let per_angle = probability * cells * (4.0 * here / sum);
-        per_angle / (TAU * self.theta_max * p.sin_theta)
+        4.0 * lerp(lerp(w[0], w[1], p.at.x), lerp(w[2], w[3], p.at.x), p.at.y) / sum
+    }
+
+    /// From a density over the unit square of the map.
+    #[inline]
+    fn per_solid_angle(&self, density: f32, sin_theta: f32) -> f32 {
+        if sin_theta <= 0.0 {
+            return 0.0;
+        }
+        density / (TAU * self.theta_max * sin_theta)
     }
 
     /// Bytes held.

@@ -12,6 +12,7 @@ use crate::math::{Rgb, Vec2, Vec3};
 use crate::texture::SurfacePoint;
 
 mod area;
+mod blocks;
 mod build;
 mod cluster;
 mod description;
@@ -186,17 +187,22 @@ impl Lights {
         let light = &self.distant[chosen].1;
         let (dir, mut radiance, pdf) = light.sample(n, u)?;
         let delta = light.is_delta();
-        let mut pdf = if delta { weight } else { weight * pdf };
+        let mut pdf = if delta {
+            weight / total
+        } else {
+            weight / total * pdf
+        };
         if !delta {
             // A ray along `dir` meets all of them, and any might have drawn it.
             for (i, (_, other)) in self.distant.iter().enumerate() {
                 if i != chosen && !other.is_delta() {
-                    radiance += other.radiance(dir);
-                    pdf += other.importance(n) * other.pdf(n, dir);
+                    let (more, density) = other.radiance_pdf(n, dir);
+                    radiance += more;
+                    pdf += other.importance(n) / total * density;
                 }
             }
         }
-        let pdf = pdf / total * share;
+        pdf *= share;
         (pdf > 0.0 && pdf.is_finite()).then_some(LightSample {
             dir,
             distance: f32::INFINITY,
@@ -204,22 +210,6 @@ impl Lights {
             pdf,
             delta,
         })
-    }
-
-    #[inline]
-    fn distant_pdf(&self, n: Vec3, dir: Vec3) -> f32 {
-        if let [(_, only)] = self.distant.as_slice() {
-            return only.pdf(n, dir);
-        }
-        let (mut pdf, mut total) = (0.0, 0.0);
-        for (_, light) in &self.distant {
-            let w = light.importance(n);
-            total += w;
-            if w > 0.0 {
-                pdf += w * light.pdf(n, dir);
-            }
-        }
-        if total > 0.0 { pdf / total } else { 0.0 }
     }
 
     /// Density (solid angle, selection included) with which [`Lights::sample`] at `p`, `n` draws the
@@ -251,18 +241,26 @@ impl Lights {
         density * local.tree.probability(p, n, leaf) * share
     }
 
-    /// Density (solid angle, selection included) with which [`Lights::sample`] at `p`, `n` draws `dir`
-    /// from environments (maps, skies, suns, constants) together.
+    /// Radiance arriving from outside the scene along the ray direction `dir` (the sum over maps, skies,
+    /// suns, constants), and the density (solid angle, selection included) with which [`Lights::sample`]
+    /// at `p`, `n` draws it.
     #[inline]
-    pub fn pdf_environment(&self, p: Vec3, n: Vec3, dir: Vec3) -> f32 {
-        if self.distant.is_empty() || (n != Vec3::ZERO && n.dot(dir) <= 0.0) {
-            return 0.0;
+    pub fn environment_pdf(&self, p: Vec3, n: Vec3, dir: Vec3) -> (Rgb, f32) {
+        let total = self.distant_importance(n);
+        let (mut radiance, mut density) = (Rgb::ZERO, 0.0);
+        for (_, light) in &self.distant {
+            let (more, pdf) = light.radiance_pdf(n, dir);
+            radiance += more;
+            let weight = light.importance(n);
+            if weight > 0.0 {
+                density += weight / total * pdf;
+            }
         }
-        let density = self.distant_pdf(n, dir);
-        if density <= 0.0 {
-            return 0.0;
+        let behind = n != Vec3::ZERO && n.dot(dir) <= 0.0;
+        if behind || density <= 0.0 {
+            return (radiance, 0.0);
         }
-        density * self.distant_share(p, n)
+        (radiance, density * self.distant_share(p, n))
     }
 
     /// Radiance that area emitter `emitter` sends from `point` along `wo` (unit, away from the surface); 0 from its dark side.

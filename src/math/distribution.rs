@@ -146,6 +146,11 @@ impl Discrete {
     pub fn probability(&self, index: usize) -> f32 {
         probability(&self.starts, index)
     }
+
+    /// Bytes held.
+    pub fn memory_bytes(&self) -> usize {
+        (self.starts.len() + self.guide.len()) * 4
+    }
 }
 
 /// A choice of one cell of a grid: a row, then a cell in it.
@@ -211,7 +216,7 @@ impl Grid {
 
     /// Bytes held.
     pub fn memory_bytes(&self) -> usize {
-        (self.starts.len() + self.guide.len() + self.rows.starts.len()) * 4
+        (self.starts.len() + self.guide.len()) * 4 + self.rows.memory_bytes()
     }
 }
 

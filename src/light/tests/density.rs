@@ -117,7 +117,7 @@ fn same_density(name: &str, setup: &Setup, p: Vec3, n: Vec3, s: &LightSample) {
             setup.lights.pdf_area(p, n, m.emitter, m.prim, m.q, m.ng),
             -m.ng.dot(s.dir),
         ),
-        None => (setup.lights.pdf_environment(p, n, s.dir), 1.0),
+        None => (setup.lights.environment_pdf(p, n, s.dir).1, 1.0),
     };
     // At a curved silhouette the density has a pole, 1 / cos: the rounding of the hit moves it.
     if grazing < 0.02 {

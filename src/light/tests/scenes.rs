@@ -101,7 +101,7 @@ impl Setup {
     pub fn pdf(&self, p: Vec3, n: Vec3, dir: Vec3) -> f32 {
         let area = |m: &Met| self.lights.pdf_area(p, n, m.emitter, m.prim, m.q, m.ng);
         let near: f32 = self.crossings(p, dir).iter().map(area).sum();
-        near + self.lights.pdf_environment(p, n, dir)
+        near + self.lights.environment_pdf(p, n, dir).1
     }
 
     /// Radiance along a ray, for radiances that are constant on each shape.

@@ -112,7 +112,7 @@ fn orientation_and_stretch() {
     }
     let below = Vec3::new(0.9, -0.2, 0.1).normalize();
     assert!(y.environment(below) == Rgb::ZERO && stretched.environment(below).x > 0.0);
-    assert!(y.pdf_environment(Vec3::ZERO, Vec3::ZERO, below) == 0.0);
+    assert!(y.environment_pdf(Vec3::ZERO, Vec3::ZERO, below).1 == 0.0);
     let night = SunSky {
         sun_direction: Vec3::NEG_Y,
         ..y_up(1.0)
