@@ -143,8 +143,16 @@ impl TriangleMesh {
     /// names the first offending triangle.
     pub fn new(mut positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, BadIndex> {
         let count = positions.len();
+        // The largest of many is found with vector instructions; the first that is too large is not.
+        let inside = triangles.par_chunks(1 << 14).all(|part| {
+            let largest = part.as_flattened().iter().fold(0, |a, &b| a.max(b));
+            (largest as usize) < count
+        });
         let beyond = |t: &[u32; 3]| t.iter().any(|&i| i as usize >= count);
-        if let Some(triangle) = triangles.par_iter().position_first(beyond) {
+        if let Some(triangle) = (!inside)
+            .then(|| triangles.iter().position(beyond))
+            .flatten()
+        {
             return Err(BadIndex {
                 triangle,
                 vertices: count,

@@ -30,7 +30,9 @@ pub struct SizeRow {
     pub mesh_bytes: u64,
     /// Seconds to read the file through once and to fill arrays of its vertices and triangles.
     pub floor_seconds: f64,
-    /// Seconds to load the file: read, check, and normals computed.
+    /// Seconds to read the file into arrays, with indices checked.
+    pub read_seconds: f64,
+    /// Seconds to load the file: read, checked, and normals computed.
     pub load_seconds: f64,
     /// The ray tracers that fit into memory.
     pub tracers: Vec<TracerRow>,
@@ -65,6 +67,7 @@ impl ScaleBench {
             "triangles",
             "file MiB",
             "floor s",
+            "read s",
             "load s",
             "B/triangle",
             "tracer",
@@ -102,6 +105,7 @@ fn rows_of(size: &SizeRow) -> Vec<Vec<String>> {
         words::count(size.triangles as f64),
         format!("{:.1}", size.file_bytes as f64 / (1 << 20) as f64),
         format!("{:.4}", size.floor_seconds),
+        format!("{:.4}", size.read_seconds),
         format!("{:.4}", size.load_seconds),
         per_triangle(size.mesh_bytes),
     ];

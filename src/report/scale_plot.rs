@@ -211,6 +211,7 @@ mod tests {
             file_bytes: 19 * triangles,
             mesh_bytes: 24 * triangles,
             floor_seconds: 1e-8 * triangles as f64,
+            read_seconds: 1e-8 * triangles as f64,
             load_seconds: 2e-8 * triangles as f64,
             tracers: vec![TracerRow {
                 name: "a < b".into(),

@@ -1,8 +1,9 @@
 //! How cost grows with the size of a mesh: `twintree bench scale` makes one shape at sizes four times
 //! apart, reads each from its file, builds the ray tracers over it and traces.
 //!
-//! The floor that loading is held to is what nobody can do without: the file read from one end to the
-//! other, and arrays of the mesh's size filled.
+//! The floor that reading is held to is what nobody can do without: the file read from one end to the
+//! other, and arrays of the mesh's size filled. Loading then looks for triangles without area and makes
+//! the normals that the file does not have.
 
 use super::rays::{Kind, RaySets};
 use super::subject::Subject;
@@ -16,6 +17,7 @@ use crate::cli::{Failure, console, load, make, memory, output, threads};
 use crate::make::{Pattern, write_ply};
 use crate::report::scale::{ScaleBench, SizeRow, TracerRow};
 use crate::report::scale_plot;
+use crate::scene::import::mesh::{self, MeshKind, MeshOptions};
 use std::fs::File;
 use std::hint::black_box;
 use std::io::Read;
@@ -90,6 +92,7 @@ fn measure(args: &BenchScaleArgs, triangles: u64, file: &Path) -> Result<SizeRow
     let scene = args.scene_of(file);
     let input = Input::of(&scene)?;
     let floor_seconds = fastest(|| floor(file, &pattern))?;
+    let read_seconds = fastest(|| timed(|| arrays(file)))?;
     let load_seconds = fastest(|| timed(|| load::load_unlit(&scene, &input).map(drop)))?;
     let subject = Subject::load(&scene)?;
     let sets = RaySets::of(&subject, args.rays)?;
@@ -103,6 +106,7 @@ fn measure(args: &BenchScaleArgs, triangles: u64, file: &Path) -> Result<SizeRow
         file_bytes,
         mesh_bytes,
         floor_seconds,
+        read_seconds,
         load_seconds,
         tracers: Vec::new(),
     };
@@ -164,6 +168,13 @@ fn timed(job: impl FnOnce() -> Result<(), Failure>) -> Result<f64, Failure> {
     let start = Instant::now();
     job()?;
     Ok(start.elapsed().as_secs_f64())
+}
+
+/// Brings the file's arrays into memory.
+fn arrays(file: &Path) -> Result<(), Failure> {
+    let read = mesh::buffers(file, MeshKind::Ply, &MeshOptions::default());
+    black_box(read.map_err(|e| Failure::Refused(e.to_string()))?);
+    Ok(())
 }
 
 /// Seconds to read the file in pieces and to fill new arrays with as much as the mesh has.

@@ -77,12 +77,12 @@ fn check_positions(
     options: &MeshOptions,
     warnings: &mut Vec<String>,
 ) -> Result<(), Unusable> {
-    let Some(first) = raw
-        .positions
-        .par_iter()
-        .with_min_len(GRAIN)
-        .position_first(|p| !p.is_finite())
-    else {
+    let parts = raw.positions.par_chunks(GRAIN);
+    // A sum is not finite if a term is not; where finite terms overflow, the search finds nothing.
+    if parts.all(|part| part.iter().fold(Vec3::ZERO, |sum, p| sum + *p).is_finite()) {
+        return Ok(());
+    }
+    let Some(first) = raw.positions.iter().position(|p| !p.is_finite()) else {
         return Ok(());
     };
     let place = format!("vertex {first} (counted from 0)");
@@ -110,19 +110,15 @@ fn check_positions(
 /// that their normal would vanish in `f32`.
 fn drop_degenerate(raw: &mut Raw, warnings: &mut Vec<String>) {
     let positions = &raw.positions;
-    let has_area = |t: &[u32; 3]| {
-        let area = normals::cross(positions, t);
-        area.length() >= f64::from(f32::MIN_POSITIVE)
-    };
+    let least = f64::from(f32::MIN_POSITIVE);
+    // Products of f32 coordinates: their squares stay in the range of f64.
+    let has_area = |t: &[u32; 3]| normals::cross(positions, t).length_squared() >= least * least;
     // Nearly all meshes end here, and nothing was allocated for them.
-    let Some(first) = raw
-        .triangles
-        .par_iter()
-        .with_min_len(GRAIN)
-        .position_first(|t| !has_area(t))
-    else {
+    let parts = raw.triangles.par_chunks(GRAIN);
+    if parts.all(|part| part.iter().all(has_area)) {
         return;
-    };
+    }
+    let first = raw.triangles.iter().position(|t| !has_area(t)).unwrap_or(0);
     let flags: Vec<bool> = raw.triangles.par_iter().map(has_area).collect();
     let before = raw.triangles.len();
     keep_triangles(raw, |i, _| flags[i]);

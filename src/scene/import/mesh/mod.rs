@@ -130,13 +130,7 @@ pub struct Loaded {
 /// is not of the format, ends early, names vertices that it does not have, holds a position that is
 /// not finite, or has no triangle.
 pub fn load(path: &Path, kind: MeshKind, options: &MeshOptions) -> Result<Loaded, ImportError> {
-    let data = mapped::open(path).map_err(|e| ImportError {
-        at: None,
-        file: Some(path.to_owned()),
-        message: format!("cannot be read: {e}"),
-        help: None,
-    })?;
-    read(&data, kind, options, path)
+    read(&open(path)?, kind, options, path)
 }
 
 /// [`load`] of bytes in memory; `path` is for messages.
@@ -149,16 +143,50 @@ pub fn read(
     options: &MeshOptions,
     path: &Path,
 ) -> Result<Loaded, ImportError> {
-    let raw = match kind {
+    let raw = raw(data, kind, options, path)?;
+    clean::finish(raw, options).map_err(|e| e.in_file(path))
+}
+
+/// What a file holds and no more: indices are in range, nothing else is certain.
+///
+/// # Errors
+/// When the file cannot be opened or is not of the format, ends early, or names vertices that it does not have.
+pub fn buffers(path: &Path, kind: MeshKind, options: &MeshOptions) -> Result<Buffers, ImportError> {
+    let raw = raw(&open(path)?, kind, options, path)?;
+    Ok(Buffers {
+        positions: raw.positions,
+        normals: raw.normals,
+        uvs: raw.uvs,
+        triangles: raw.triangles,
+        attributes: raw.attributes,
+    })
+}
+
+fn open(path: &Path) -> Result<mapped::Mapped, ImportError> {
+    mapped::open(path).map_err(|e| ImportError {
+        at: None,
+        file: Some(path.to_owned()),
+        message: format!("cannot be read: {e}"),
+        help: None,
+    })
+}
+
+fn raw(
+    data: &[u8],
+    kind: MeshKind,
+    options: &MeshOptions,
+    path: &Path,
+) -> Result<Raw, ImportError> {
+    match kind {
         MeshKind::Obj => obj::read(data, options).map_err(|e| e.in_text(data, path)),
         MeshKind::Ply => ply::read(data, options, path),
         MeshKind::Serialized => serialized::read(data, options).map_err(|e| e.in_binary(path)),
         MeshKind::Stl => stl::read(data, options, path),
-    }?;
-    clean::finish(raw, options).map_err(|e| e.in_file(path))
+    }
 }
 
-/// A mesh in memory, as a reader of another format has it: object space, indices not checked.
+/// A mesh in memory: as a reader of another format has it, in object space and with indices not checked, or
+/// as [`buffers`] leaves it.
 #[derive(Debug, Default)]
 pub struct Buffers {
     /// Positions.

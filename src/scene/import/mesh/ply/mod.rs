@@ -19,7 +19,6 @@ use crate::scene::import::ImportError;
 use crate::texture::MeshAttribute;
 use columns::{Attribute, Columns};
 use header::{Element, Encoding, Header, Shape};
-use rayon::prelude::*;
 use std::path::Path;
 use table::Table;
 use walk::{Row, Source};
@@ -183,17 +182,13 @@ impl<'a> Reader<'a> {
         self.raw
             .attributes
             .extend(columns.iter().map(|a| empty(a, true)));
-        if let Some(table) = self.table(element, Some(list)) {
-            let triangles = table.triangles(list);
-            let vertices = self.vertices;
-            let beyond = |t: &[u32; 3]| t.iter().any(|&i| i as usize >= vertices);
-            if let Some(at) = triangles.par_iter().position_first(beyond) {
-                let offset = self.pos + table.row_start(at);
-                let message = format!(
-                    "face {at} names vertices {:?}, but the file has {vertices}",
-                    triangles[at]
-                );
-                return Err(Fault::new(offset, message));
+        let table = self.table(element, Some(list));
+        let triangles = table
+            .as_ref()
+            .and_then(|t| t.triangles(list, self.vertices));
+        if let (Some(table), Some((triangles, inside))) = (table, triangles) {
+            if !inside {
+                return Err(self.beyond(&table, &triangles));
             }
             self.raw.triangles = triangles;
             fill(&mut self.raw.attributes, &columns, &table, true);
@@ -205,6 +200,16 @@ impl<'a> Reader<'a> {
             push(&mut reader.raw.attributes, &columns, row.values, true);
             Ok(())
         })
+    }
+
+    /// The error about the first triangle that names a vertex that is not there.
+    fn beyond(&self, table: &Table, triangles: &[[u32; 3]]) -> Fault {
+        let vertices = self.vertices;
+        let beyond = |t: &[u32; 3]| t.iter().any(|&i| i as usize >= vertices);
+        let at = triangles.iter().position(beyond).unwrap_or_default();
+        let names = triangles[at];
+        let message = format!("face {at} names vertices {names:?}, but the file has {vertices}");
+        Fault::new(self.pos + table.row_start(at), message)
     }
 
     fn polygon(&mut self, row: &Row) -> Result<(), Fault> {
