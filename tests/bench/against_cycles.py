@@ -165,7 +165,7 @@ def twintree(program, path, out, spp):
     """RGBA of twintree: light alone under a hidden sky; coverage from a render in which all surfaces glow."""
     import bpy
     common = [program, 'render', path, '--width', str(SIZE), '--height', str(SIZE), '--spp', str(spp), '--rfilter', 'box', '--quiet', '-o', out]
-    subprocess.run(common + ['--sky', 'white', '--hide-emitters', '--aov', 'depth'], check=True)
+    subprocess.run(common + ['--sky', 'white', '--hide-emitters'], check=True)
     image = bpy.data.images.load(out, check_existing=False)
     image.colorspace_settings.name = 'Non-Color'
     return np.array(image.pixels[:], np.float64).reshape(SIZE, SIZE, 4)[::-1]
