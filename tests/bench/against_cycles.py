@@ -161,14 +161,15 @@ def cycles(path, out, spp):
     return np.array(image.pixels[:], np.float64).reshape(SIZE, SIZE, 4)[::-1]
 
 
-def twintree(program, path, out, spp):
-    """RGBA of twintree: light alone under a hidden sky; coverage from a render in which all surfaces glow."""
+def twintree(program, path, out, spp, hidden):
+    """RGB under a white sky, which is black to the camera if `hidden`, and so is what emits."""
     import bpy
-    common = [program, 'render', path, '--width', str(SIZE), '--height', str(SIZE), '--spp', str(spp), '--rfilter', 'box', '--quiet', '-o', out]
-    subprocess.run(common + ['--sky', 'white', '--hide-emitters'], check=True)
+    command = [program, 'render', path, '--width', str(SIZE), '--height', str(SIZE), '--spp', str(spp),
+               '--rfilter', 'box', '--sky', 'white', '--quiet', '-o', out]
+    subprocess.run(command + ['--hide-emitters'] * hidden, check=True)
     image = bpy.data.images.load(out, check_existing=False)
     image.colorspace_settings.name = 'Non-Color'
-    return np.array(image.pixels[:], np.float64).reshape(SIZE, SIZE, 4)[::-1]
+    return np.array(image.pixels[:], np.float64).reshape(SIZE, SIZE, 4)[::-1, :, :3]
 
 
 def main():
@@ -190,11 +191,15 @@ def main():
                 json.dump(content, f)
             jobs.append((name, path))
         jobs += [(os.path.basename(m), m) for m in args.models]
+        print('| material | twintree | Cycles | difference | pixels missing | pixels beyond |\n|---|---|---|---|---|---|')
         for name, path in jobs:
             theirs = cycles(path, os.path.join(place, 'theirs.exr'), args.spp)
-            ours = twintree(args.program, path, os.path.join(place, 'ours.exr'), args.spp)
+            ours = twintree(args.program, path, os.path.join(place, 'ours.exr'), args.spp, True)
+            # What shines is hidden there as well: the sky is taken off by the share that Cycles sees of it.
+            seen = twintree(args.program, path, os.path.join(place, 'seen.exr'), args.spp, False)
+            seen -= 1 - theirs[..., 3:]
             inside = theirs[..., 3] > 0
-            a, b = (image[..., :3].sum((0, 1)) / max(inside.sum(), 1) for image in (ours, theirs))
+            a, b = (image[..., :3].sum((0, 1)) / max(inside.sum(), 1) for image in (seen, theirs))
             difference = float(np.abs(a - b).max() / max(a.max(), b.max(), 1e-9))
             # Covered: something of the object's light arrives. A pixel that few samples meet may be missed.
             lit = theirs[..., :3].max(-1) > 4 * theirs[..., :3].max() / args.spp
