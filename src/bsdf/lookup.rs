@@ -4,6 +4,7 @@
 use super::lobes::conductor::{Conductor, Metal, RoughConductor};
 use super::lobes::dielectric::{Dielectric, Null, ThinDielectric};
 use super::lobes::diffuse::{DiffuseTransmitter, RoughDiffuse};
+use super::lobes::metallic_roughness::MetallicRoughness;
 use super::lobes::phong::Phong;
 use super::lobes::plastic::Plastic;
 use super::lobes::principled as principled_lobe;
@@ -96,6 +97,12 @@ impl Lookup<'_> {
                 self.color(diffuse_reflectance),
                 self.color(specular_reflectance),
                 Vec2::new(self.scalar(alpha_u), self.scalar(alpha_v)),
+            )),
+            Material::MetallicRoughness(m) => Node::MetallicRoughness(MetallicRoughness::new(
+                self.color(&m.base_color),
+                self.scalar(&m.metallic),
+                self.scalar(&m.roughness),
+                sane_eta(m.eta).max(1.0),
             )),
             Material::Principled(p) => Node::Principled(self.principled(p)),
             Material::PrincipledThin(p) => Node::PrincipledSheet(self.sheet(p)),

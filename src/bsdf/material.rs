@@ -152,6 +152,8 @@ pub enum Material {
         /// Roughness along the bitangent.
         alpha_v: Texture,
     },
+    /// glTF 2.0's metallic-roughness model.
+    MetallicRoughness(Box<MetallicRoughness>),
     /// Mitsuba 3's `principled` (after Burley 2012, 2015).
     Principled(Box<Principled>),
     /// Mitsuba 3's `principledthin`.
@@ -236,6 +238,19 @@ pub enum Material {
         /// The coated material.
         inner: MaterialId,
     },
+}
+
+/// Parameters of glTF 2.0's metallic-roughness model; each in `[0, 1]` unless said otherwise.
+#[derive(Clone, Debug)]
+pub struct MetallicRoughness {
+    /// Colour of the diffuse base, and of the metal.
+    pub base_color: Texture,
+    /// 0 is the dielectric, 1 the metal.
+    pub metallic: Texture,
+    /// Perceptual roughness, the square root of the facets' width.
+    pub roughness: Texture,
+    /// Relative index of refraction of the dielectric, 1 or more.
+    pub eta: f32,
 }
 
 /// Parameters of Mitsuba 3's `principled`; each in `[0, 1]` unless said otherwise.

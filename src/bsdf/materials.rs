@@ -1,5 +1,6 @@
 //! All materials of a scene, with what is computed once for each.
 
+use super::facet_albedo::facet_albedo;
 use super::lookup::{Lookup, sane_eta};
 use super::material::{Material, Roughness};
 use super::plain::Form;
@@ -37,6 +38,10 @@ impl Materials {
     /// Adds a material and returns its number. Inner materials must have been added before; one that
     /// was not absorbs all light.
     pub fn push(&mut self, material: Material) -> MaterialId {
+        if matches!(material, Material::MetallicRoughness(_)) {
+            // Made now, not by the first path that meets it.
+            facet_albedo();
+        }
         let transmittance = match &material {
             Material::RoughPlastic { eta, roughness, .. }
             | Material::RoughCoating { eta, roughness, .. } => Some(coat_table(roughness, *eta)),

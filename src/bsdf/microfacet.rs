@@ -85,6 +85,18 @@ impl Microfacet {
         }
     }
 
+    /// Of the facets with normal `m` that are seen from `wo`, the fraction that is also seen from `wi`: with
+    /// heights that are the same for both, `G2 / G1` of Heitz ("Understanding the Masking-Shadowing
+    /// Function in Microfacet-Based BRDFs", 2014, equation 99).
+    #[inline]
+    pub fn shadowing(&self, wo: Vec3, wi: Vec3, m: Vec3) -> f32 {
+        let (o, i) = (self.g1(wo, m), self.g1(wi, m));
+        if i <= 0.0 {
+            return 0.0;
+        }
+        i / (i + o * (1.0 - i))
+    }
+
     /// A facet normal, in proportion to the area that `wo` (with `wo.z` > 0) sees of it: with density
     /// `d(m) g1(wo, m) |wo.m| / wo.z` in solid angle.
     #[inline]

@@ -69,6 +69,7 @@ pub struct BsdfSample {
     pub lobe: LobeFlags,
 }
 
+mod facet_albedo;
 mod fresnel;
 mod layer;
 mod lobes;

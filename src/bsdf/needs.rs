@@ -170,6 +170,7 @@ fn textures(material: &Material) -> Vec<&Texture> {
         } => {
             vec![diffuse_reflectance, specular_reflectance, alpha_u, alpha_v]
         }
+        Material::MetallicRoughness(m) => vec![&m.base_color, &m.metallic, &m.roughness],
         Material::Principled(p) => vec![
             &p.base_color,
             &p.roughness,

@@ -101,7 +101,7 @@ fn reflected(facets: &Microfacet, wo: Vec3, m: Vec3, eta: f32) -> f32 {
 }
 
 /// Mean of `f` over the normals visible from `wo`.
-fn over_normals(
+pub(super) fn over_normals(
     facets: &Microfacet,
     wo: Vec3,
     rule: &[(f32, f32)],
@@ -119,7 +119,7 @@ fn over_normals(
 
 /// Nodes and weights of Gauss and Legendre's rule on `[0, 1]`: the roots of the Legendre polynomial by
 /// Newton's method, from the asymptotic guess.
-fn gauss_legendre<const N: usize>() -> [(f32, f32); N] {
+pub(super) fn gauss_legendre<const N: usize>() -> [(f32, f32); N] {
     let n = N as f64;
     std::array::from_fn(|i| {
         let mut x = (std::f64::consts::PI * (i as f64 + 0.75) / (n + 0.5)).cos();

@@ -8,6 +8,7 @@ use super::layer::{Coating, RoughCoating};
 use super::lobes::conductor::{Conductor, RoughConductor};
 use super::lobes::dielectric::{Dielectric, Null, ThinDielectric};
 use super::lobes::diffuse::{Diffuse, DiffuseTransmitter, RoughDiffuse};
+use super::lobes::metallic_roughness::MetallicRoughness;
 use super::lobes::phong::Phong;
 use super::lobes::plastic::Plastic;
 use super::lobes::principled::Principled;
@@ -43,6 +44,7 @@ pub(super) enum Node {
     RoughPlastic(RoughPlastic),
     Phong(Phong),
     Ward(Ward),
+    MetallicRoughness(MetallicRoughness),
     Principled(Principled),
     PrincipledSheet(PrincipledSheet),
     /// Absorbs everything.
@@ -84,6 +86,7 @@ macro_rules! with_lobe {
             Node::RoughPlastic($lobe) => $result,
             Node::Phong($lobe) => $result,
             Node::Ward($lobe) => $result,
+            Node::MetallicRoughness($lobe) => $result,
             Node::Principled($lobe) => $result,
             Node::PrincipledSheet($lobe) => $result,
             $($others)*

@@ -20,6 +20,7 @@ pub fn material(material: &Material) -> &'static str {
         Material::RoughPlastic { .. } => "roughplastic",
         Material::Phong { .. } => "phong",
         Material::Ward { .. } => "ward",
+        Material::MetallicRoughness(_) => "metallic-roughness",
         Material::Principled(_) => "principled",
         Material::PrincipledThin(_) => "principledthin",
         Material::DiffuseTransmitter { .. } => "difftrans",

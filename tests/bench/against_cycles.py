@@ -141,6 +141,9 @@ def cycles(path, out, spp):
         for node in material.node_tree.nodes if material.node_tree else ():
             if node.type == 'BSDF_PRINCIPLED':
                 node.distribution = 'GGX'
+            if node.type == 'TEX_IMAGE':
+                # Cycles blends neighbours before it makes bytes linear: edges of squares would be darker.
+                node.interpolation = 'Closest'
     render, settings = scene.render, scene.cycles
     render.engine = 'CYCLES'
     settings.samples, settings.use_adaptive_sampling, settings.use_denoising = spp, False, False

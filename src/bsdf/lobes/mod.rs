@@ -10,6 +10,7 @@ use crate::math::{Rgb, Vec2, Vec3};
 pub(super) mod conductor;
 pub(super) mod dielectric;
 pub(super) mod diffuse;
+pub(super) mod metallic_roughness;
 pub(super) mod phong;
 pub(super) mod plastic;
 pub(super) mod principled;

@@ -2,7 +2,7 @@
 //! reflection is the same both ways.
 
 use super::densities::directions;
-use super::models::{DELTA, SMOOTH, beckmann, clear, ggx, glass, grey};
+use super::models::{DELTA, SMOOTH, beckmann, clear, ggx, glass, grey, metallic_roughness};
 use super::{of_material, resolved};
 use crate::bsdf::material::{Material, Roughness, white};
 use crate::bsdf::{Bsdf, Transport};
@@ -37,6 +37,22 @@ fn mirror(roughness: Roughness) -> Material {
         k: grey(1.0),
         roughness,
         specular_reflectance: white(),
+    }
+}
+
+#[test]
+fn a_white_base_under_facets_returns_all_light() {
+    for roughness in [0.1, 0.4, 0.7, 1.0] {
+        let Material::MetallicRoughness(mut model) = metallic_roughness(roughness, 0.0) else {
+            unreachable!("it makes that model")
+        };
+        model.base_color = white();
+        let material = Material::MetallicRoughness(model);
+        for cos in [0.2f32, 0.6, 1.0] {
+            let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
+            let sum = scattered(&of_material(material.clone(), wo), wo, 100).x;
+            assert!((sum - 1.0).abs() < 4e-3, "{roughness} {cos}: {sum}");
+        }
     }
 }
 

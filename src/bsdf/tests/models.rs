@@ -2,7 +2,8 @@
 //! and those that only exist here and in Mitsuba 0.6.
 
 use crate::bsdf::material::{
-    Distribution, Material, Principled, PrincipledThin, Roughness, WardVariant, white,
+    Distribution, Material, MetallicRoughness, Principled, PrincipledThin, Roughness, WardVariant,
+    white,
 };
 use crate::bsdf::{MaterialId, Materials};
 use crate::math::Rgb;
@@ -115,6 +116,15 @@ fn principled_by(roughness: f32, eta: f32, change: impl FnOnce(&mut Principled))
     Material::Principled(Box::new(p))
 }
 
+pub(super) fn metallic_roughness(roughness: f32, metallic: f32) -> Material {
+    Material::MetallicRoughness(Box::new(MetallicRoughness {
+        base_color: base(),
+        metallic: grey(metallic),
+        roughness: grey(roughness),
+        eta: 1.5,
+    }))
+}
+
 fn sheet() -> Material {
     Material::PrincipledThin(Box::new(PrincipledThin {
         base_color: base(),
@@ -194,6 +204,8 @@ fn single(name: &str) -> Option<Material> {
             p.spec_tint = grey(0.3);
         }),
         "principled_thin" => sheet(),
+        "metallic_roughness" => metallic_roughness(0.4, 0.3),
+        "metallic_roughness_dielectric" => metallic_roughness(0.7, 0.0),
         _ => return mirror_like(name),
     })
 }
@@ -277,7 +289,7 @@ pub(super) fn add(materials: &mut Materials, name: &str) -> MaterialId {
 }
 
 /// Every model with a smooth part.
-pub(super) const SMOOTH: [&str; 31] = [
+pub(super) const SMOOTH: [&str; 33] = [
     "diffuse",
     "rough_diffuse",
     "rough_diffuse_fast",
@@ -300,6 +312,8 @@ pub(super) const SMOOTH: [&str; 31] = [
     "principled_cloth",
     "principled_glass",
     "principled_thin",
+    "metallic_roughness",
+    "metallic_roughness_dielectric",
     "blend",
     "mixture",
     "normal_map",

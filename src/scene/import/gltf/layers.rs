@@ -5,7 +5,9 @@ use super::extension::Extension;
 use super::materials::Core;
 use super::schema;
 use super::textures::{Use, uv_set};
-use crate::bsdf::material::{Distribution, Principled, PrincipledThin, Roughness, white};
+use crate::bsdf::material::{
+    Distribution, MetallicRoughness, Principled, PrincipledThin, Roughness, white,
+};
 use crate::bsdf::{Material, MaterialId};
 use crate::math::{Rgb, luminance};
 use crate::scene::import::ImportError;
@@ -70,7 +72,11 @@ impl Importer<'_> {
         let factor = extension.map_or(0.0, |e| e.number("transmissionFactor", 0.0));
         let Some(extension) = extension.filter(|_| factor > 0.0) else {
             let eta = ior_of(core.f0);
-            let opaque = principled(&core, number(0.0), eta, sheen);
+            // Sheen is known to `principled` alone.
+            let opaque = match sheen {
+                0.0 => metallic_roughness(&core, eta),
+                _ => principled(&core, number(0.0), eta, sheen),
+            };
             return Ok((self.push(opaque), false));
         };
         let info = extension.texture("transmissionTexture");
@@ -210,6 +216,15 @@ fn coating(alpha: f32, inner: MaterialId) -> Material {
         specular_reflectance,
         inner,
     }
+}
+
+fn metallic_roughness(core: &Core, eta: f32) -> Material {
+    Material::MetallicRoughness(Box::new(MetallicRoughness {
+        base_color: core.color.clone(),
+        metallic: core.metallic.clone(),
+        roughness: core.roughness.clone(),
+        eta,
+    }))
 }
 
 fn principled(core: &Core, spec_trans: Texture, eta: f32, sheen: f32) -> Material {

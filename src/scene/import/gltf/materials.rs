@@ -1,10 +1,11 @@
-//! Materials: metallic-roughness and its extensions as `principled` and what is laid around it.
+//! Materials: metallic-roughness and its extensions, and what is laid around it.
 //!
 //! ```text
-//!  Mask (alpha) > TwoSided > NormalMap > Blend (clear coat) > principled, or principledthin
+//!  Mask (alpha) > TwoSided > NormalMap > Blend (clear coat) > metallic-roughness
+//!                                                           > principled (sheen, glass), principledthin
 //! ```
 //!
-//! Both models take the square of a perceptual roughness as the width of GGX facets, and 0.04 as the
+//! All models take the square of a perceptual roughness as the width of GGX facets, and 0.04 as the
 //! reflectance of a dielectric of index 1.5. Nothing is culled: opaque surfaces are the same from both
 //! sides, as light that bounces needs it. A transmitting surface without `KHR_materials_volume` is thin.
 

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::bsdf::MaterialId;
-use crate::bsdf::material::{Principled, PrincipledThin};
+use crate::bsdf::material::{MetallicRoughness, Principled, PrincipledThin};
 use crate::image::{Image, WriteOptions};
 use crate::texture::{Filter, Wrap};
 
@@ -36,16 +36,23 @@ fn principled(parts: &Parts) -> &Principled {
     }
 }
 
+fn opaque(parts: &Parts) -> &MetallicRoughness {
+    match core(parts, parts.shapes[0].material) {
+        Material::MetallicRoughness(m) => m,
+        other => panic!("{other:?}"),
+    }
+}
+
 fn value(texture: &Texture) -> f32 {
     texture.constant().unwrap().x
 }
 
 #[test]
-fn factors_become_the_principled_models() {
+fn factors_become_the_models_own() {
     let parts = made_of(json!({"pbrMetallicRoughness": {
         "baseColorFactor": [0.1, 0.2, 0.3, 1], "metallicFactor": 0.25, "roughnessFactor": 0.75,
     }}));
-    let p = principled(&parts);
+    let p = opaque(&parts);
     assert_eq!(p.base_color.constant(), Some(Rgb::new(0.1, 0.2, 0.3)));
     assert_eq!((value(&p.metallic), value(&p.roughness)), (0.25, 0.75));
     assert!((p.eta - 1.5).abs() < 1e-5);
@@ -53,13 +60,13 @@ fn factors_become_the_principled_models() {
     let mut file = File::triangle();
     file.json["materials"] = json!([]);
     let parts = file.load();
-    let p = principled(&parts);
+    let p = opaque(&parts);
     assert_eq!((value(&p.metallic), value(&p.roughness)), (1.0, 1.0));
 }
 
 #[test]
 fn index_and_specular_strength_meet_in_the_reflectance() {
-    let eta = |extensions: Value| principled(&made_of(json!({"extensions": extensions}))).eta;
+    let eta = |extensions: Value| opaque(&made_of(json!({"extensions": extensions}))).eta;
     let ior = json!({"KHR_materials_ior": {"ior": 1.8}});
     assert!((eta(ior) - 1.8).abs() < 1e-5);
     // Half of 4 %: ((n - 1) / (n + 1))^2 = 0.02.
@@ -189,7 +196,7 @@ fn vertex_colours_multiply_the_base() {
     let colors = file.floats(&[[0.5f32, 0.25, 1.0, 0.5]; 3]);
     file.primitive()["attributes"]["COLOR_0"] = colors.into();
     let parts = file.load();
-    let color = &principled(&parts).base_color;
+    let color = &opaque(&parts).base_color;
     assert!(matches!(color, Texture::MeshAttribute(_)), "{color:?}");
     let attribute = &mesh(&parts, 0).attributes.list[0];
     assert_eq!(attribute.values, [Rgb::new(0.5, 0.25, 1.0); 3]);

@@ -1,0 +1,107 @@
+//! The metallic-roughness model of glTF 2.0 (its specification's appendix B): a metal, a diffuse base
+//! under rough dielectric facets, or as much of each as the file says.
+//!
+//! Facets are GGX with height-correlated masking (Heitz 2014). The specification leaves open how the base
+//! gives way to the facets. Here it keeps what they reflect, seen from both directions (Kelemen and
+//! Szirmay-Kalos 2001): a factor `(1 - E(wo)) (1 - E(wi)) / (1 - E_mean)` with the facets' albedo E. It is
+//! reciprocal, and a white base returns all light.
+
+use super::{GLOSSY_REFLECTION, Lobe, cosine_pdf, mean, sample_cosine, share, smooth_sample};
+use crate::bsdf::facet_albedo::{AlbedoCurve, facet_albedo, normal_reflectance};
+use crate::bsdf::fresnel::{dielectric, reflect};
+use crate::bsdf::lobes::principled::schlick_weight;
+use crate::bsdf::material::Distribution;
+use crate::bsdf::microfacet::Microfacet;
+use crate::bsdf::{BsdfSample, LobeFlags, Transport};
+use crate::math::{Rgb, Vec2, Vec3};
+use std::f32::consts::FRAC_1_PI;
+
+/// Narrowest facets, as in `principled`.
+const MIN_ALPHA: f32 = 1e-3;
+
+/// The model at a point.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::bsdf) struct MetallicRoughness {
+    color: Rgb,
+    metallic: f32,
+    eta: f32,
+    facets: Microfacet,
+    albedo: AlbedoCurve,
+    /// Colour of the base over pi and over what the facets leave of diffuse light.
+    base: Rgb,
+}
+
+impl MetallicRoughness {
+    /// Colour, metalness, perceptual roughness, and the dielectric's relative index, above 1.
+    pub fn new(color: Rgb, metallic: f32, roughness: f32, eta: f32) -> Self {
+        let alpha = (roughness * roughness).max(MIN_ALPHA);
+        let metallic = metallic.clamp(0.0, 1.0);
+        let albedo = facet_albedo().curve(roughness, normal_reflectance(eta));
+        Self {
+            color,
+            metallic,
+            eta,
+            facets: Microfacet::new(Distribution::Ggx, alpha, alpha),
+            albedo,
+            base: color * ((1.0 - metallic) * FRAC_1_PI / (1.0 - albedo.mean()).max(1e-3)),
+        }
+    }
+
+    /// Probability of sampling the facets.
+    #[inline]
+    fn choice(&self, albedo: f32) -> f32 {
+        let (color, dielectric) = (mean(self.color), 1.0 - self.metallic);
+        share(
+            dielectric * albedo + self.metallic * color,
+            dielectric * (1.0 - albedo) * color,
+        )
+    }
+
+    /// Reflectance of a facet: Fresnel's for the dielectric, Schlick's for the metal.
+    #[inline]
+    fn fresnel(&self, cos: f32) -> Rgb {
+        let metal = self.color.lerp(Rgb::ONE, schlick_weight(cos));
+        Rgb::splat(dielectric(cos, self.eta).r).lerp(metal, self.metallic)
+    }
+}
+
+impl Lobe for MetallicRoughness {
+    fn eval_pdf(&self, wo: Vec3, wi: Vec3, _: Transport) -> (Rgb, f32) {
+        if wo.z <= 0.0 || wi.z <= 0.0 {
+            return (Rgb::ZERO, 0.0);
+        }
+        let albedo = self.albedo.at(wo.z);
+        let p = self.choice(albedo);
+        let m = (wo + wi).normalize();
+        let seen = self.facets.d(m) * self.facets.g1(wo, m) / (4.0 * wo.z);
+        let facets = self.fresnel(wo.dot(m)) * (seen * self.facets.shadowing(wo, wi, m));
+        let left = (1.0 - albedo).max(0.0) * (1.0 - self.albedo.at(wi.z)).max(0.0);
+        let value = facets + self.base * (left * wi.z);
+        (value, p * seen + (1.0 - p) * cosine_pdf(wi.z))
+    }
+
+    fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2, transport: Transport) -> Option<BsdfSample> {
+        if wo.z <= 0.0 {
+            return None;
+        }
+        let wi = if u_lobe < self.choice(self.albedo.at(wo.z)) {
+            reflect(wo, self.facets.sample(wo, u)).normalize()
+        } else {
+            sample_cosine(u)
+        };
+        let (value, pdf) = self.eval_pdf(wo, wi, transport);
+        smooth_sample(wi, value, pdf, 1.0, GLOSSY_REFLECTION)
+    }
+
+    fn flags(&self) -> LobeFlags {
+        GLOSSY_REFLECTION
+    }
+
+    fn albedo(&self) -> Rgb {
+        self.color
+    }
+
+    fn roughness(&self) -> Option<f32> {
+        Some(self.facets.alpha())
+    }
+}
