@@ -148,13 +148,10 @@ impl TriangleMesh {
             let largest = part.as_flattened().iter().fold(0, |a, &b| a.max(b));
             (largest as usize) < count
         });
-        let beyond = |t: &[u32; 3]| t.iter().any(|&i| i as usize >= count);
-        if let Some(triangle) = (!inside)
-            .then(|| triangles.iter().position(beyond))
-            .flatten()
-        {
+        if !inside {
+            let beyond = |t: &[u32; 3]| t.iter().any(|&i| i as usize >= count);
             return Err(BadIndex {
-                triangle,
+                triangle: triangles.iter().position(beyond).unwrap_or(0),
                 vertices: count,
             });
         }

@@ -2,8 +2,9 @@
 //! table for the base that lies beneath them.
 //!
 //! The albedo of GGX facets with height-correlated masking, over the cosine, the perceptual roughness
-//! (the square root of alpha) and the reflectance at normal incidence. One table of 14 KB serves all
-//! materials; it is made when the first of them asks, in some 50 ms.
+//! (the square root of alpha) and the contrast of the interface, `(eta - 1) / (eta + 1)`: in its square, the
+//! reflectance at normal incidence, the albedo has a kink at 0 that no straight line follows. One table
+//! of 14 KB serves all materials; it is made when the first of them is added.
 
 use super::fresnel::{dielectric, reflect};
 use super::material::Distribution;
@@ -16,8 +17,8 @@ use std::sync::OnceLock;
 const COSINES: usize = 24;
 /// Roughnesses 0 to 1.
 const ROUGHNESSES: usize = 16;
-/// Reflectances: denser where materials are.
-const REFLECTANCES: [f32; 9] = [0.0, 0.01, 0.02, 0.04, 0.08, 0.16, 0.32, 0.64, 1.0];
+/// Contrasts: denser where materials are.
+const CONTRASTS: [f32; 9] = [0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.45, 0.7, 1.0];
 /// Points of the quadrature on each axis.
 const NODES: usize = 16;
 
@@ -35,7 +36,7 @@ pub(super) struct FacetAlbedo {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AlbedoCurve {
     table: &'static FacetAlbedo,
-    /// Entries before the reflectance and before the roughness.
+    /// Entries before the contrast and before the roughness.
     first: [u16; 2],
     /// How far beyond them.
     beyond: [f32; 2],
@@ -47,23 +48,17 @@ pub(super) fn facet_albedo() -> &'static FacetAlbedo {
     TABLE.get_or_init(FacetAlbedo::integrate)
 }
 
-/// Reflectance at normal incidence of an interface of relative index `eta`.
-pub(super) fn normal_reflectance(eta: f32) -> f32 {
-    let r = (eta - 1.0) / (eta + 1.0);
-    r * r
-}
-
-/// The relative index, above 1, of an interface with that reflectance.
-fn index_of(reflectance: f32) -> f32 {
-    let root = reflectance.sqrt().min(0.999);
-    (1.0 + root) / (1.0 - root)
+/// The relative index, above 1, of an interface of that contrast.
+fn index_of(contrast: f32) -> f32 {
+    let contrast = contrast.min(0.999);
+    (1.0 + contrast) / (1.0 - contrast)
 }
 
 impl FacetAlbedo {
     fn integrate() -> Self {
         let rule = gauss_legendre::<NODES>();
-        let plane = |&reflectance: &f32| {
-            let eta = index_of(reflectance);
+        let plane = |&contrast: &f32| {
+            let eta = index_of(contrast);
             let mut plane = [[0.0; COSINES]; ROUGHNESSES];
             for (i, row) in plane.iter_mut().enumerate() {
                 let roughness = i as f32 / (ROUGHNESSES - 1) as f32;
@@ -80,23 +75,23 @@ impl FacetAlbedo {
             }
             plane
         };
-        let planes: Box<[Plane]> = REFLECTANCES.iter().map(plane).collect();
+        let planes: Box<[Plane]> = CONTRASTS.iter().map(plane).collect();
         let means = planes.iter().map(|plane| plane.map(mean)).collect();
         Self { planes, means }
     }
 
-    /// For facets of that perceptual roughness and reflectance at normal incidence.
-    pub fn curve(&'static self, roughness: f32, reflectance: f32) -> AlbedoCurve {
-        let last = REFLECTANCES.len() - 2;
-        let k = REFLECTANCES[1..=last].partition_point(|&r| r <= reflectance);
-        let (low, high) = (REFLECTANCES[k], REFLECTANCES[k + 1]);
+    /// For facets of that perceptual roughness on an interface of that contrast.
+    pub fn curve(&'static self, roughness: f32, contrast: f32) -> AlbedoCurve {
+        let last = CONTRASTS.len() - 2;
+        let k = CONTRASTS[1..=last].partition_point(|&c| c <= contrast);
+        let (low, high) = (CONTRASTS[k], CONTRASTS[k + 1]);
         let x = roughness.clamp(0.0, 1.0) * (ROUGHNESSES - 1) as f32;
         let i = (x as usize).min(ROUGHNESSES - 2);
         AlbedoCurve {
             table: self,
             first: [k as u16, i as u16],
             beyond: [
-                ((reflectance - low) / (high - low)).clamp(0.0, 1.0),
+                ((contrast - low) / (high - low)).clamp(0.0, 1.0),
                 x - i as f32,
             ],
         }
@@ -148,11 +143,12 @@ fn lerp(a: f32, b: f32, t: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bsdf::fresnel::contrast;
 
     #[test]
     fn smooth_facets_reflect_as_fresnel_says() {
         for eta in [1.2, 1.5, 2.0] {
-            let curve = facet_albedo().curve(0.0, normal_reflectance(eta));
+            let curve = facet_albedo().curve(0.0, contrast(eta));
             for i in 6..COSINES {
                 let cos = i as f32 / (COSINES - 1) as f32;
                 let exact = dielectric(cos, eta).r;
@@ -160,18 +156,18 @@ mod tests {
             }
         }
         // Of diffuse light an interface of index 1.5 reflects 9.2 % (Egan and Hilgeman 1973).
-        let mean = facet_albedo().curve(0.0, 0.04).mean();
+        let mean = facet_albedo().curve(0.0, contrast(1.5)).mean();
         assert!((mean - 0.092).abs() < 0.004, "{mean}");
     }
 
     #[test]
     fn albedos_lie_between_nothing_and_all() {
         for roughness in [0.0, 0.3, 0.77, 1.0] {
-            for reflectance in [0.0, 0.005, 0.04, 0.5, 1.0] {
-                let curve = facet_albedo().curve(roughness, reflectance);
+            for contrast in [0.0, 0.07, 0.2, 0.7, 1.0] {
+                let curve = facet_albedo().curve(roughness, contrast);
                 for i in 0..=100 {
                     let albedo = curve.at(i as f32 / 100.0);
-                    assert!((0.0..=1.001).contains(&albedo), "{roughness} {reflectance}");
+                    assert!((0.0..=1.001).contains(&albedo), "{roughness} {contrast}");
                 }
             }
         }

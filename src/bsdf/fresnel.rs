@@ -48,6 +48,12 @@ pub(super) fn dielectric(cos_i: f32, eta: f32) -> Interface {
     }
 }
 
+/// Contrast of an interface of relative index `eta`: its square is the reflectance at normal incidence.
+#[inline]
+pub(super) fn contrast(eta: f32) -> f32 {
+    (eta - 1.0) / (eta + 1.0)
+}
+
 /// Snell's law in squared cosines: `1 - (1 - cos^2) / eta^2`, negative on total reflection. Multiplied out
 /// it keeps its digits at grazing angles with eta near 1; as it stands, at steep ones with small eta.
 #[inline]

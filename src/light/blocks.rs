@@ -158,6 +158,12 @@ impl Blocks {
         (self.coarse(&place, probability, t), false)
     }
 
+    /// Sine of the polar angle of a row of texels.
+    #[inline]
+    pub fn row_weight(&self, y: usize) -> f32 {
+        self.row_weight[y]
+    }
+
     #[inline]
     fn fine(&self, block: [usize; 2]) -> Option<&Discrete> {
         let index = self.index[block[1] * self.columns + block[0]];

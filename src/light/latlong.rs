@@ -20,8 +20,6 @@ pub(super) struct LatLong {
     height: usize,
     pixels: Vec<Rgb>,
     cells: Blocks,
-    /// Weight of each row: the sine of its polar angle, above 0 at the poles.
-    row_weight: Vec<f32>,
     /// Polar angle of the last row.
     theta_max: f32,
     to_world: Mat3,
@@ -53,7 +51,7 @@ impl LatLong {
                 (y as f32 * step).sin().max((0.25 * step).sin())
             })
             .collect();
-        let cells = Blocks::new(width, row_weight.clone(), |x, y| {
+        let cells = Blocks::new(width, row_weight, |x, y| {
             selection_weight(pixels[y * width + x])
         })?;
         let integral = integrate(&pixels, size, theta_max);
@@ -62,7 +60,6 @@ impl LatLong {
             height,
             pixels,
             cells,
-            row_weight,
             theta_max,
             to_world,
             to_local: to_world.inverse(),
@@ -166,7 +163,7 @@ impl LatLong {
     /// Sampling weights of the four texels.
     #[inline]
     fn weights(&self, p: &Patch, texels: &[Rgb; 4]) -> [f32; 4] {
-        let (upper, lower) = (self.row_weight[p.y], self.row_weight[p.y + 1]);
+        let (upper, lower) = (self.cells.row_weight(p.y), self.cells.row_weight(p.y + 1));
         [
             selection_weight(texels[0]) * upper,
             selection_weight(texels[1]) * upper,

@@ -6,18 +6,14 @@
 //! Szirmay-Kalos 2001): a factor `(1 - E(wo)) (1 - E(wi)) / (1 - E_mean)` with the facets' albedo E. It is
 //! reciprocal, and a white base returns all light.
 
-use super::{GLOSSY_REFLECTION, Lobe, cosine_pdf, mean, sample_cosine, share, smooth_sample};
-use crate::bsdf::facet_albedo::{AlbedoCurve, facet_albedo, normal_reflectance};
-use crate::bsdf::fresnel::{dielectric, reflect};
-use crate::bsdf::lobes::principled::schlick_weight;
-use crate::bsdf::material::Distribution;
+use super::principled::{facets, schlick_weight};
+use super::{GLOSSY_REFLECTION, Lobe, cosine_pdf, mean, sample_over_diffuse, share};
+use crate::bsdf::facet_albedo::{AlbedoCurve, facet_albedo};
+use crate::bsdf::fresnel::{contrast, dielectric, reflect};
 use crate::bsdf::microfacet::Microfacet;
 use crate::bsdf::{BsdfSample, LobeFlags, Transport};
 use crate::math::{Rgb, Vec2, Vec3};
 use std::f32::consts::FRAC_1_PI;
-
-/// Narrowest facets, as in `principled`.
-const MIN_ALPHA: f32 = 1e-3;
 
 /// The model at a point.
 #[derive(Clone, Copy, Debug)]
@@ -34,14 +30,13 @@ pub(in crate::bsdf) struct MetallicRoughness {
 impl MetallicRoughness {
     /// Colour, metalness, perceptual roughness, and the dielectric's relative index, above 1.
     pub fn new(color: Rgb, metallic: f32, roughness: f32, eta: f32) -> Self {
-        let alpha = (roughness * roughness).max(MIN_ALPHA);
         let metallic = metallic.clamp(0.0, 1.0);
-        let albedo = facet_albedo().curve(roughness, normal_reflectance(eta));
+        let albedo = facet_albedo().curve(roughness, contrast(eta));
         Self {
             color,
             metallic,
             eta,
-            facets: Microfacet::new(Distribution::Ggx, alpha, alpha),
+            facets: facets(roughness, 0.0),
             albedo,
             base: color * ((1.0 - metallic) * FRAC_1_PI / (1.0 - albedo.mean()).max(1e-3)),
         }
@@ -84,13 +79,10 @@ impl Lobe for MetallicRoughness {
         if wo.z <= 0.0 {
             return None;
         }
-        let wi = if u_lobe < self.choice(self.albedo.at(wo.z)) {
+        let p = self.choice(self.albedo.at(wo.z));
+        sample_over_diffuse(self, wo, (u_lobe, u), transport, p, || {
             reflect(wo, self.facets.sample(wo, u)).normalize()
-        } else {
-            sample_cosine(u)
-        };
-        let (value, pdf) = self.eval_pdf(wo, wi, transport);
-        smooth_sample(wi, value, pdf, 1.0, GLOSSY_REFLECTION)
+        })
     }
 
     fn flags(&self) -> LobeFlags {

@@ -83,6 +83,26 @@ pub(super) fn weighted(
     })
 }
 
+/// Draws from a model of two parts, seen from the side of +z: a lobe with probability `p_lobe`, by
+/// `lobe`, or the diffuse base under it.
+#[inline]
+pub(super) fn sample_over_diffuse(
+    model: &impl Lobe,
+    wo: Vec3,
+    (u_lobe, u): (f32, Vec2),
+    transport: Transport,
+    p_lobe: f32,
+    lobe: impl FnOnce() -> Vec3,
+) -> Option<BsdfSample> {
+    let wi = if u_lobe < p_lobe {
+        lobe()
+    } else {
+        sample_cosine(u)
+    };
+    let (value, pdf) = model.eval_pdf(wo, wi, transport);
+    smooth_sample(wi, value, pdf, 1.0, GLOSSY_REFLECTION)
+}
+
 /// Cosine-weighted direction on the side of +z.
 #[inline]
 pub(super) fn sample_cosine(u: Vec2) -> Vec3 {

@@ -1,8 +1,6 @@
 //! The modified Phong model (Lafortune and Willems 1994), as Mitsuba 0.6 has it.
 
-use super::{
-    GLOSSY_REFLECTION, Lobe, conserving, cosine_pdf, mean, sample_cosine, share, smooth_sample,
-};
+use super::{GLOSSY_REFLECTION, Lobe, conserving, cosine_pdf, mean, sample_over_diffuse, share};
 use crate::bsdf::{BsdfSample, LobeFlags, Transport};
 use crate::math::{Frame, Rgb, Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, TAU};
@@ -45,20 +43,23 @@ impl Lobe for Phong {
         if wo.z <= 0.0 {
             return None;
         }
-        let wi = if u_lobe < self.specular_weight {
-            let cos = u.y.powf(1.0 / (self.exponent + 1.0));
-            let sin = (1.0 - cos * cos).max(0.0).sqrt();
-            let (sin_phi, cos_phi) = (TAU * u.x).sin_cos();
-            Frame::new(Vec3::new(-wo.x, -wo.y, wo.z)).to_world(Vec3::new(
-                sin * cos_phi,
-                sin * sin_phi,
-                cos,
-            ))
-        } else {
-            sample_cosine(u)
-        };
-        let (value, pdf) = self.eval_pdf(wo, wi, transport);
-        smooth_sample(wi, value, pdf, 1.0, GLOSSY_REFLECTION)
+        sample_over_diffuse(
+            self,
+            wo,
+            (u_lobe, u),
+            transport,
+            self.specular_weight,
+            || {
+                let cos = u.y.powf(1.0 / (self.exponent + 1.0));
+                let sin = (1.0 - cos * cos).max(0.0).sqrt();
+                let (sin_phi, cos_phi) = (TAU * u.x).sin_cos();
+                Frame::new(Vec3::new(-wo.x, -wo.y, wo.z)).to_world(Vec3::new(
+                    sin * cos_phi,
+                    sin * sin_phi,
+                    cos,
+                ))
+            },
+        )
     }
 
     fn flags(&self) -> LobeFlags {

@@ -5,7 +5,7 @@
 use super::{
     GLOSSY_REFLECTION, GLOSSY_TRANSMISSION, Lobe, cosine_pdf, sample_cosine, smooth_sample,
 };
-use crate::bsdf::fresnel::{Interface, dielectric, reflect, refract};
+use crate::bsdf::fresnel::{Interface, contrast, dielectric, reflect, refract};
 use crate::bsdf::material::Distribution;
 use crate::bsdf::microfacet::Microfacet;
 use crate::bsdf::{BsdfSample, LobeFlags, Transport};
@@ -50,7 +50,7 @@ pub(super) fn schlick(r0: Rgb, cos: f32, eta: f32) -> Rgb {
 
 /// Reflectance at normal incidence.
 pub(super) fn schlick_r0(eta: f32) -> f32 {
-    let r = (eta - 1.0) / (eta + 1.0);
+    let r = contrast(eta);
     r * r
 }
 

@@ -1,8 +1,7 @@
 //! A diffuse base under a rough dielectric coat.
 
 use super::{
-    GLOSSY_REFLECTION, Lobe, cosine_pdf, mean, plastic::interreflected, sample_cosine, share,
-    smooth_sample,
+    GLOSSY_REFLECTION, Lobe, cosine_pdf, mean, plastic::interreflected, sample_over_diffuse, share,
 };
 use crate::bsdf::fresnel::{dielectric, reflect};
 use crate::bsdf::microfacet::Microfacet;
@@ -75,13 +74,9 @@ impl Lobe for RoughPlastic {
             return None;
         }
         let (_, p) = self.choice(wo);
-        let wi = if u_lobe < p {
+        sample_over_diffuse(self, wo, (u_lobe, u), transport, p, || {
             reflect(wo, self.facets.sample(wo, u)).normalize()
-        } else {
-            sample_cosine(u)
-        };
-        let (value, pdf) = self.eval_pdf(wo, wi, transport);
-        smooth_sample(wi, value, pdf, 1.0, GLOSSY_REFLECTION)
+        })
     }
 
     fn flags(&self) -> LobeFlags {

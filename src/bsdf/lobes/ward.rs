@@ -1,8 +1,6 @@
 //! Ward's anisotropic model in three variants, as Mitsuba 0.6 has it.
 
-use super::{
-    GLOSSY_REFLECTION, Lobe, conserving, cosine_pdf, mean, sample_cosine, share, smooth_sample,
-};
+use super::{GLOSSY_REFLECTION, Lobe, conserving, cosine_pdf, mean, sample_over_diffuse, share};
 use crate::bsdf::fresnel::reflect;
 use crate::bsdf::material::WardVariant;
 use crate::bsdf::microfacet::{MIN_ALPHA, sample_gaussian_half};
@@ -71,13 +69,14 @@ impl Lobe for Ward {
         if wo.z <= 0.0 {
             return None;
         }
-        let wi = if u_lobe < self.specular_weight {
-            reflect(wo, sample_gaussian_half(self.alpha, u)).normalize()
-        } else {
-            sample_cosine(u)
-        };
-        let (value, pdf) = self.eval_pdf(wo, wi, transport);
-        smooth_sample(wi, value, pdf, 1.0, GLOSSY_REFLECTION)
+        sample_over_diffuse(
+            self,
+            wo,
+            (u_lobe, u),
+            transport,
+            self.specular_weight,
+            || reflect(wo, sample_gaussian_half(self.alpha, u)).normalize(),
+        )
     }
 
     fn flags(&self) -> LobeFlags {
