@@ -9,7 +9,7 @@ why_not_slurm() {
 }
 
 run_slurm() {
-    local start array
+    local start array pid disturbed=()
     start_cluster
     "$program" farm --format slurm --shards 4 --slots 2 -j 1 "$scene" "${options[@]}" --checkpoint 500ms \
         -o farm.exr >job.sh
@@ -23,9 +23,14 @@ run_slurm() {
     array=$(submit)
     # One is killed, as a machine without memory kills; one is taken away by Slurm; one is told to stop,
     # as at the end of its time. All go on from their checkpoints.
-    disturb "$array" 0 kill_render 0
-    disturb "$array" 1 scontrol requeue "${array}_1"
-    disturb "$array" 2 scancel --batch --signal=TERM "${array}_2"
+    # Side by side: a shard left alone would end while another waits for its place.
+    disturb "$array" 0 kill_render 0 &
+    disturbed+=($!)
+    disturb "$array" 1 scontrol requeue "${array}_1" &
+    disturbed+=($!)
+    disturb "$array" 2 scancel --batch --signal=TERM "${array}_2" &
+    disturbed+=($!)
+    for pid in "${disturbed[@]}"; do wait "$pid"; done
     drain "$array"
     same_bits farm.exr
     say "slurm: a task killed, one requeued, one interrupted; all went on from their checkpoints"
