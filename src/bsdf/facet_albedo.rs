@@ -11,6 +11,7 @@ use super::material::Distribution;
 use super::microfacet::Microfacet;
 use super::transmittance::{gauss_legendre, over_normals};
 use crate::math::Vec3;
+use glam::FloatExt;
 use std::sync::OnceLock;
 
 /// Cosines 0 to 1.
@@ -116,7 +117,7 @@ impl AlbedoCurve {
         let j = (x as usize).min(COSINES - 2);
         self.between(|k, i| {
             let row = &self.table.planes[k][i];
-            lerp(row[j], row[j + 1], x - j as f32)
+            row[j].lerp(row[j + 1], x - j as f32)
         })
     }
 
@@ -130,14 +131,9 @@ impl AlbedoCurve {
     fn between(&self, of: impl Fn(usize, usize) -> f32) -> f32 {
         let [k, i] = self.first.map(usize::from);
         let [t, s] = self.beyond;
-        let plane = |k: usize| lerp(of(k, i), of(k, i + 1), s);
-        lerp(plane(k), plane(k + 1), t)
+        let plane = |k: usize| of(k, i).lerp(of(k, i + 1), s);
+        plane(k).lerp(plane(k + 1), t)
     }
-}
-
-#[inline]
-fn lerp(a: f32, b: f32, t: f32) -> f32 {
-    a + (b - a) * t
 }
 
 #[cfg(test)]

@@ -1,6 +1,8 @@
 //! Reconstruction filters, sampled by importance.
 
 use crate::math::Vec2;
+use crate::math::distribution::Discrete;
+use glam::FloatExt;
 
 /// A separable reconstruction filter. Radii in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,11 +98,9 @@ fn sinc(x: f32) -> f32 {
     if x.abs() < 1e-4 { 1.0 } else { x.sin() / x }
 }
 
-/// Bins of a tabulated filter over its whole width. The weight uses the filter's exact value at the
-/// sampled place, so the bins' number changes noise, never the mean.
-const BINS: usize = 256;
-/// Points a bin at which the filter is integrated.
-const POINTS: usize = 8;
+/// Bins of a tabulated filter over its whole width. Between their edges the filter is taken as linear: 1e-4
+/// of its peak from its formula at most.
+const BINS: usize = 512;
 
 /// Draws places from a filter.
 #[derive(Clone, Debug)]
@@ -111,10 +111,10 @@ pub struct FilterSampler {
 
 #[derive(Clone, Debug)]
 struct Table {
-    /// Running sums of |filter|, from 0 to 1.
-    cdf: Vec<f32>,
-    /// Integral of the filter.
-    integral: f32,
+    /// Bins by the mean of |filter| over them.
+    bins: Discrete,
+    /// The filter at the bins' edges, its integral over the film being the bins' number.
+    edges: Vec<f32>,
 }
 
 impl FilterSampler {
@@ -130,7 +130,7 @@ impl FilterSampler {
         let tabulated = !matches!(filter, Filter::Box { .. } | Filter::Tent { .. });
         Self {
             filter,
-            table: tabulated.then(|| Table::new(&filter)),
+            table: tabulated.then(|| Table::new(&filter)).flatten(),
         }
     }
 
@@ -149,7 +149,7 @@ impl FilterSampler {
     fn sample_axis(&self, u: f32) -> (f32, f32) {
         let radius = self.filter.radius();
         match &self.table {
-            Some(table) => table.sample(&self.filter, u),
+            Some(table) => table.sample(radius, u),
             None if matches!(self.filter, Filter::Tent { .. }) => {
                 // The inverse of the integral of a tent, one side at a time.
                 let x = if u < 0.5 {
@@ -165,46 +165,28 @@ impl FilterSampler {
 }
 
 impl Table {
-    fn new(filter: &Filter) -> Self {
-        let radius = f64::from(filter.radius());
-        let step = 2.0 * radius / (BINS * POINTS) as f64;
-        let mut masses = [0f64; BINS];
-        let mut integral = 0.0;
-        for (i, mass) in masses.iter_mut().enumerate() {
-            for k in 0..POINTS {
-                let x = -radius + (i * POINTS + k) as f64 * step + 0.5 * step;
-                let value = f64::from(filter.eval(x as f32)) * step;
-                integral += value;
-                *mass += value.abs();
-            }
-        }
-        let total: f64 = masses.iter().sum();
-        let mut cdf = vec![0f32];
-        let mut sum = 0.0;
-        for mass in masses {
-            sum += mass;
-            cdf.push((sum / total) as f32);
-        }
-        cdf[BINS] = 1.0;
-        Self {
-            cdf,
-            integral: integral as f32,
-        }
+    fn new(filter: &Filter) -> Option<Self> {
+        let radius = filter.radius();
+        let at = |i: usize| radius * (2.0 * i as f32 / BINS as f32 - 1.0);
+        let edges: Vec<f64> = (0..=BINS).map(|i| f64::from(filter.eval(at(i)))).collect();
+        let mean = |of: &dyn Fn(f64) -> f64| -> Vec<f64> {
+            let ends = edges.windows(2);
+            ends.map(|e| 0.5 * (of(e[0]) + of(e[1]))).collect()
+        };
+        let scale = BINS as f64 / mean(&|f| f).iter().sum::<f64>();
+        Some(Self {
+            bins: Discrete::new(&mean(&f64::abs))?,
+            edges: edges.iter().map(|f| (f * scale) as f32).collect(),
+        })
     }
 
     #[inline]
-    fn sample(&self, filter: &Filter, u: f32) -> (f32, f32) {
-        let bin = self.cdf.partition_point(|&c| c <= u).clamp(1, BINS) - 1;
-        let mass = self.cdf[bin + 1] - self.cdf[bin];
-        let width = 2.0 * filter.radius() / BINS as f32;
-        let within = if mass > 0.0 {
-            ((u - self.cdf[bin]) / mass).min(1.0)
-        } else {
-            0.5
-        };
-        let x = -filter.radius() + (bin as f32 + within) * width;
-        let pdf = mass / width;
-        (x, filter.eval(x) / (pdf * self.integral))
+    fn sample(&self, radius: f32, u: f32) -> (f32, f32) {
+        let bin = self.bins.sample((f64::from(u) * 4_294_967_296.0) as u32);
+        let x = radius * (2.0 * (bin.index as f32 + bin.rest) / BINS as f32 - 1.0);
+        let ends = [self.edges[bin.index], self.edges[bin.index + 1]];
+        let filter = ends[0].lerp(ends[1], bin.rest);
+        (x, filter / (bin.probability * BINS as f32))
     }
 }
 

@@ -11,6 +11,7 @@ use super::blocks::Blocks;
 use crate::math::distribution::sample_linear;
 use crate::math::rgb::selection_weight;
 use crate::math::{Mat3, Rgb, Vec2, Vec3};
+use glam::FloatExt;
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
 /// A latitude-longitude image ready to sample.
@@ -111,7 +112,7 @@ impl LatLong {
         if drawn.fine {
             let w = self.weights(&patch, &texels);
             let t = sample_linear(w[0] + w[1], w[2] + w[3], drawn.at.y);
-            let s = sample_linear(lerp(w[0], w[2], t), lerp(w[1], w[3], t), drawn.at.x);
+            let s = sample_linear(w[0].lerp(w[2], t), w[1].lerp(w[3], t), drawn.at.x);
             patch.at = Vec2::new(s, t);
             density *= Self::relative(&patch, w);
         }
@@ -179,7 +180,8 @@ impl LatLong {
         if sum <= 0.0 {
             return 0.0;
         }
-        4.0 * lerp(lerp(w[0], w[1], p.at.x), lerp(w[2], w[3], p.at.x), p.at.y) / sum
+        let (upper, lower) = (w[0].lerp(w[1], p.at.x), w[2].lerp(w[3], p.at.x));
+        4.0 * upper.lerp(lower, p.at.y) / sum
     }
 
     /// From a density over the unit square of the map.
@@ -221,11 +223,6 @@ fn angle(y: f32, x: f32) -> f32 {
         angle = PI - angle;
     }
     angle.copysign(y)
-}
-
-#[inline]
-fn lerp(a: f32, b: f32, t: f32) -> f32 {
-    a + (b - a) * t
 }
 
 #[inline]
