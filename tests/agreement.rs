@@ -219,7 +219,7 @@ fn torus_agrees() {
         folder: "torus",
         file: "scene_v3_env.xml",
         arguments: &[],
-        spp: 1024,
+        spp: 4096,
         mean_tolerance: 0.01,
     });
 }
