@@ -149,6 +149,28 @@ fn disk_light_over_a_floor_matches_its_form_factor() {
     }
 }
 
+/// Irradiance beside a sphere of radius r that touches the floor, at distance d from its centre: all of it
+/// lies above the horizon, so pi L (r / d)^2 cos, with cos = r / d. Most of its light arrives at a graze.
+#[test]
+fn a_lamp_that_touches_the_floor_lights_it_up_to_the_touch() {
+    for backend in backends() {
+        let (radius, aside, radiance, albedo) = (0.05f32, 0.062f32, 2.0f32, 0.6f32);
+        let spot = Vec3::new(aside, 2.0, 0.0);
+        let mut maker = SceneMaker::new(spot + Vec3::new(0.0, 0.2, 0.05), spot, 0.3, 8);
+        let floor = maker.diffuse(albedo);
+        let black = maker.diffuse(0.0);
+        let flat = Affine3A::from_translation(Vec3::Y * 2.0)
+            * Affine3A::from_rotation_x(-std::f32::consts::FRAC_PI_2);
+        let ground = maker.exact(ExactKind::Rectangle, flat);
+        maker.shape(ground, floor, None, false);
+        let center = Vec3::new(0.0, 2.0 + radius, 0.0);
+        maker.sphere(center, radius, black, Some(radiance), false);
+        let truth = albedo * radiance * (radius / aside.hypot(radius)).powi(3);
+        let mean = maker.build(backend).mean(&settings(), 8192);
+        expect("touching lamp", f64::from(truth), mean);
+    }
+}
+
 /// A mask of opacity 0.3 over a black wall in constant light lets 0.7 through, for camera and shadow rays alike.
 #[test]
 fn masks_let_their_share_through() {

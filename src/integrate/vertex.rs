@@ -226,11 +226,11 @@ fn sample_light(
     // Large BSDFs (narrow lobes) meet small weights before bright lights: the other order overflows (S8).
     let radiance = path.throughput * (f * (weight / light.pdf)) * light.radiance;
     let org = offset_origin(point.p, point.error, point.ng, light.dir);
-    let mut ray = Ray::new(org, light.dir);
-    if light.distance.is_finite() {
-        let rounding = 4.0 * gamma(7) * point.p.abs().max_element();
-        ray.tmax = light.distance * (1.0 - SHADOW_MARGIN) - rounding;
-    }
+    let ray = if light.distance.is_finite() {
+        shadow_ray(org, point.p + light.dir * light.distance)
+    } else {
+        Ray::new(org, light.dir)
+    };
     Some((
         ray,
         ShadowRay {
@@ -238,6 +238,21 @@ fn sample_light(
             radiance,
         },
     ))
+}
+
+/// A ray that ends just before a place on a light.
+///
+/// It runs through that place, not along the direction in which the light was sampled: beside that, by the
+/// offset of its origin, it meets a light that it grazes earlier than its margin allows (a lamp that
+/// touches the ceiling lost 3 % of its light around the touch).
+#[inline]
+fn shadow_ray(org: Vec3, light: Vec3) -> Ray {
+    let to = light - org;
+    let distance = to.length();
+    let mut ray = Ray::new(org, to / distance.max(f32::MIN_POSITIVE));
+    let rounding = 4.0 * gamma(7) * org.abs().max_element();
+    ray.tmax = distance * (1.0 - SHADOW_MARGIN) - rounding;
+    ray
 }
 
 /// Samples the BSDF, or the mixture of BSDF and field, and plays roulette: the next ray, or none.
