@@ -7,6 +7,8 @@ start_cluster() {
     host=$(hostname -s)
     mkdir -p "$etc"/{state,spool}
     export SLURM_CONF=$etc/slurm.conf
+    # Here and not with the test's own: each queue runs in a subshell, whose variables end with it.
+    trap stop_cluster EXIT
     dd if=/dev/urandom of="$etc/munge.key" bs=1024 count=1 status=none
     chmod 600 "$etc/munge.key"
     # munged refuses directories that others may write, and there is no telling whose TMPDIR is.
