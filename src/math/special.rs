@@ -95,6 +95,7 @@ mod tests {
     use super::*;
 
     #[test]
+    #[cfg_attr(miri, ignore = "hours in Miri")]
     fn quarter_turn_is_the_angle() {
         for i in 0..=100_000 {
             let (sin, cos) = (f64::from(i) * 1e-5 * std::f64::consts::FRAC_PI_2).sin_cos();

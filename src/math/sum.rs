@@ -67,6 +67,7 @@ mod tests {
     use crate::math::Pcg32;
 
     #[test]
+    #[cfg_attr(miri, ignore = "hours in Miri")]
     fn a_billion_mixed_terms_are_exact() {
         // A block of 1000 terms of weights 1e-8 to 1e8, repeated a million times by multiplication,
         // against the exact rational sum of the f32 terms (all multiples of 2^-60).
