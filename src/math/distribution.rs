@@ -236,7 +236,6 @@ mod tests {
     use crate::math::Pcg32;
 
     #[test]
-    #[cfg_attr(miri, ignore = "hours in Miri")]
     fn choices_come_as_often_as_their_probability_says() {
         let weights = [0.0, 3.0, 0.0, 0.0, 1.0, 1e-12, 6.0, 0.0];
         let d = Discrete::new(&weights).unwrap();
@@ -259,7 +258,6 @@ mod tests {
     }
 
     #[test]
-    #[cfg_attr(miri, ignore = "hours in Miri")]
     fn every_unit_of_a_random_number_finds_an_entry_of_positive_weight() {
         let mut rng = Pcg32::new(5, 1);
         for n in [1usize, 2, 3, 7, 64, 1000] {
@@ -281,7 +279,6 @@ mod tests {
     }
 
     #[test]
-    #[cfg_attr(miri, ignore = "hours in Miri")]
     fn linear_samples_have_the_mean_of_their_density() {
         for (a, b) in [
             (1.0, 1.0),

@@ -31,7 +31,6 @@ mod tests {
     use crate::math::Pcg32;
 
     #[test]
-    #[cfg_attr(miri, ignore = "hours in Miri")]
     fn weights_of_any_two_densities_sum_to_one() {
         let mut rng = Pcg32::new(1, 2);
         for _ in 0..1_000_000 {
