@@ -7,8 +7,9 @@ use super::fresnel::{dielectric, reflect};
 use super::lobes::{DELTA_REFLECTION, GLOSSY_REFLECTION, mean, share, smooth_sample, weighted};
 use super::microfacet::Microfacet;
 use super::transmittance::RoughTransmittance;
-use super::tree::{BELOW_ONE, NodeId, Tree};
+use super::tree::{NodeId, Tree};
 use super::{BsdfSample, LobeFlags, Transport};
+use crate::math::rng::BELOW_ONE;
 use crate::math::{Rgb, Vec2, Vec3};
 
 /// What both layers have in common.

@@ -19,6 +19,7 @@ use super::lobes::ward::Ward;
 use super::lobes::{Lobe, weighted};
 use super::perturb::Perturbation;
 use super::{BsdfSample, LobeFlags, Transport};
+use crate::math::rng::BELOW_ONE;
 use crate::math::{Rgb, Vec2, Vec3};
 use smallvec::SmallVec;
 
@@ -245,9 +246,6 @@ impl Tree {
         )
     }
 }
-
-/// The largest f32 below 1, where a rescaled random number may round up to 1.
-pub(super) const BELOW_ONE: f32 = 1.0 - f32::EPSILON * 0.5;
 
 fn smaller(a: Option<f32>, b: Option<f32>) -> Option<f32> {
     match (a, b) {

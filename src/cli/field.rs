@@ -126,11 +126,9 @@ fn probe(
     let _ = writeln!(text, "normal        {normal}");
     let _ = writeln!(text, "cell          {}", local.cell());
     let _ = writeln!(text, "links         {}", local.links().len());
-    let _ = writeln!(
-        text,
-        "fraction      {:.3}",
-        guide.fractions.fraction(local.cell())
-    );
+    let chances = guide.fractions.chances(local.cell());
+    let _ = writeln!(text, "fraction      {:.3}", chances.field);
+    let _ = writeln!(text, "light         {:.3}", chances.light);
     let _ = writeln!(text, "learned       {} W/m^2", local.irradiance());
     let _ = writeln!(text, "brute force   {} W/m^2", traced.integral());
     console::print_result(&text)?;

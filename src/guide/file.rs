@@ -8,7 +8,7 @@
 use super::Field;
 use super::bytes::{Reader, Writer};
 use super::content::{read_body, write_body};
-use super::fraction::{Adam, Fractions};
+use super::fraction::{Fractions, Habits};
 use super::ledger::Ledger;
 use super::settings::{GuideError, Settings};
 use super::train::Trainer;
@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 const MAGIC: &[u8; 8] = b"TWINTREE";
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 /// Magic, version, length, checksum.
 const HEADER: usize = 8 + 4 + 8 + 4;
 
@@ -29,7 +29,7 @@ pub struct FieldFile {
     pub ledger: Ledger,
     /// The mixture fractions of R's leaves in preorder, which no history of splits can change; none, if
     /// nothing was learned about them.
-    pub(super) fractions: Vec<Adam>,
+    pub(super) fractions: Vec<Habits>,
 }
 
 /// The head of the content.
@@ -297,7 +297,7 @@ fn open(bytes: &[u8]) -> Result<&[u8], GuideError> {
     Ok(rest)
 }
 
-fn read_fractions(r: &mut Reader) -> Option<Vec<Adam>> {
-    let n = r.count(Adam::BYTES)?;
-    (0..n).map(|_| Adam::read(r)).collect()
+fn read_fractions(r: &mut Reader) -> Option<Vec<Habits>> {
+    let n = r.count(Habits::BYTES)?;
+    (0..n).map(|_| Habits::read(r)).collect()
 }

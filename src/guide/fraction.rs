@@ -1,5 +1,5 @@
 //! How often to trust the field: the probability of sampling the field instead of the BSDF, learned
-//! for each cell of R.
+//! for each cell of R, beside that of sampling a light (see `light_chance.rs`).
 //!
 //! The mixture q = a p_field + (1 - a) p_bsdf should be proportional to f = BSDF * radiance * cosine.
 //! The gradient of the KL divergence between the two is estimated from the samples themselves
@@ -9,7 +9,9 @@
 
 use super::bytes::{Reader, Writer};
 use super::field::Field;
+use super::light_chance::{LEAST as LEAST_LIGHT, LightChance};
 use super::record::weight;
+use crate::math::rng::{hash64, unit_f32};
 use crate::math::{Rgb, Vec3};
 
 /// Bounds of the fraction: neither strategy may vanish.
@@ -22,7 +24,7 @@ const BETA1: f64 = 0.9;
 const BETA2: f64 = 0.999;
 const DECAY: f64 = 0.01;
 
-/// What one direction, sampled during rendering or training, tells about the mixture.
+/// What one vertex, met during rendering or training, tells about the mixture and about light samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FractionRecord {
     /// The shading point.
@@ -31,12 +33,18 @@ pub struct FractionRecord {
     pub normal: Vec3,
     /// BSDF times cosine times the estimate of incident radiance along the direction.
     pub value: Rgb,
-    /// Density with which it was sampled (the mixture's).
+    /// Density with which it was sampled (the mixture's); 0 if no direction was.
     pub pdf: f32,
     /// The field's density for it.
     pub guide_pdf: f32,
     /// The BSDF's density for it.
     pub bsdf_pdf: f32,
+    /// What the light sample brought, as it counted in the image, for the throughput 1.
+    pub light: f32,
+    /// The chance with which there was a light sample.
+    pub light_chance: f32,
+    /// All light that the vertex sent on, for the throughput 1.
+    pub reflected: f32,
 }
 
 /// A cell's fraction, and the state of the search for it.
@@ -91,34 +99,98 @@ impl Adam {
     }
 }
 
+/// What a cell has learned.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Habits {
+    adam: Adam,
+    light: LightChance,
+}
+
+impl Habits {
+    /// Size in a file.
+    pub const BYTES: usize = Adam::BYTES + LightChance::BYTES;
+
+    pub fn write(&self, w: &mut Writer) {
+        self.adam.write(w);
+        self.light.write(w);
+    }
+
+    /// Reads what `write` wrote, if it is sound.
+    pub fn read(r: &mut Reader) -> Option<Self> {
+        Some(Self {
+            adam: Adam::read(r)?,
+            light: LightChance::read(r)?,
+        })
+    }
+
+    fn chances(&self) -> Chances {
+        Chances {
+            field: self.adam.share(),
+            light: self.light.chance(),
+        }
+    }
+}
+
+/// The probabilities of what a vertex does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Chances {
+    /// To draw the next direction from the field instead of the BSDF, within [`FLOOR`] and 1 - [`FLOOR`].
+    pub field: f32,
+    /// To sample a light, within [`super::LEAST_LIGHT`] and 1.
+    pub light: f32,
+}
+
+impl Chances {
+    /// Before anything was learned.
+    const UNKNOWN: Self = Self {
+        field: UNKNOWN,
+        light: 1.0,
+    };
+}
+
 /// The learned fractions of one field's cells.
 ///
 /// Updates happen in the order of the records, cell by cell, so the same records give the same bits.
 /// For an unbiased image update only between passes, never from the pass that is being drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fractions {
-    cells: Vec<Adam>,
+    cells: Vec<Habits>,
     /// What the cells come to, ready to be asked for.
-    shares: Vec<f32>,
+    chances: Vec<Chances>,
 }
 
 impl Fractions {
-    /// One half everywhere.
+    /// One half everywhere, and always a light.
     pub fn new(field: &Field) -> Self {
-        let cells = field.cell_count() as usize;
+        Self::with(field, |_| Chances::UNKNOWN)
+    }
+
+    /// Nothing learned yet, but these chances.
+    fn with(field: &Field, chances: impl Fn(u32) -> Chances) -> Self {
         Self {
-            cells: vec![Adam::default(); cells],
-            shares: vec![UNKNOWN; cells],
+            cells: vec![Habits::default(); field.cell_count() as usize],
+            chances: (0..field.cell_count()).map(chances).collect(),
         }
     }
 
-    /// The same share everywhere, within [`FLOOR`] and 1 - [`FLOOR`].
-    pub fn fixed(field: &Field, share: f32) -> Self {
-        let cells = field.cell_count() as usize;
-        Self {
-            cells: vec![Adam::default(); cells],
-            shares: vec![share.clamp(FLOOR, 1.0 - FLOOR); cells],
+    /// Chances that know nothing of any scene, in all their range: no renderer may draw another mean
+    /// with them.
+    pub fn random(field: &Field, seed: u64) -> Self {
+        Self::with(field, |cell| {
+            let bits = hash64(seed ^ u64::from(cell));
+            Chances {
+                field: FLOOR + (1.0 - 2.0 * FLOOR) * unit_f32(bits as u32),
+                light: LEAST_LIGHT + (1.0 - LEAST_LIGHT) * unit_f32((bits >> 32) as u32),
+            }
+        })
+    }
+
+    /// The same, with the same share for the field everywhere, within [`FLOOR`] and 1 - [`FLOOR`].
+    pub fn with_share(mut self, share: f32) -> Self {
+        for chances in &mut self.chances {
+            chances.field = share.clamp(FLOOR, 1.0 - FLOOR);
         }
+        self
     }
 
     /// The fractions for a field that refines the one they were learned for: every cell starts with what
@@ -126,31 +198,43 @@ impl Fractions {
     pub fn carried_over(&self, from: &Field, to: &Field) -> Self {
         let part_of = |&key: &u64| from.cell_of_key(key) as usize;
         let old: Vec<usize> = to.cell_key.iter().map(part_of).collect();
+        let mut parts = vec![0u32; self.cells.len()];
+        for &c in &old {
+            parts[c] += 1;
+        }
+        let inherit = |&c: &usize| match parts[c] {
+            1 => self.cells[c],
+            _ => Habits {
+                light: self.cells[c].light.of_part(),
+                ..self.cells[c]
+            },
+        };
         Self {
-            cells: old.iter().map(|&c| self.cells[c]).collect(),
-            shares: old.iter().map(|&c| self.shares[c]).collect(),
+            cells: old.iter().map(inherit).collect(),
+            chances: old.iter().map(|&c| self.chances[c]).collect(),
         }
     }
 
-    /// Probability of sampling the field in a cell (see [`Field::cell`]), within
-    /// [`FLOOR`] and 1 - [`FLOOR`]. A cell of another field gives 1/2.
+    /// The chances in a cell (see [`Field::cell`]); those of one that has learned nothing for a cell of
+    /// another field.
     #[inline]
-    pub fn fraction(&self, cell: u32) -> f32 {
-        self.shares.get(cell as usize).copied().unwrap_or(UNKNOWN)
+    pub fn chances(&self, cell: u32) -> Chances {
+        let known = self.chances.get(cell as usize);
+        known.copied().unwrap_or(Chances::UNKNOWN)
     }
 
     /// The states of some cells.
-    pub(crate) fn of_cells(&self, cells: &[u32]) -> Vec<Adam> {
+    pub(crate) fn of_cells(&self, cells: &[u32]) -> Vec<Habits> {
         let state = |&c: &u32| self.cells.get(c as usize).copied().unwrap_or_default();
         cells.iter().map(state).collect()
     }
 
     /// Sets them.
-    pub(crate) fn set_cells(&mut self, cells: &[u32], states: &[Adam]) {
+    pub(crate) fn set_cells(&mut self, cells: &[u32], states: &[Habits]) {
         for (&c, state) in cells.iter().zip(states) {
             if let Some(cell) = self.cells.get_mut(c as usize) {
                 *cell = *state;
-                self.shares[c as usize] = state.share();
+                self.chances[c as usize] = state.chances();
             }
         }
     }
@@ -166,15 +250,17 @@ impl Fractions {
         let unit = typical(records);
         for (cell, i) in order {
             let r = &records[i as usize];
+            let Some(habits) = self.cells.get_mut(cell as usize) else {
+                continue;
+            };
+            habits.light.add(r.light, r.light_chance, r.reflected);
             let f = f64::from(weight(r.value)) / unit;
             let (p, guide, bsdf) = (
                 f64::from(r.pdf),
                 f64::from(r.guide_pdf),
                 f64::from(r.bsdf_pdf),
             );
-            let Some(adam) = self.cells.get_mut(cell as usize) else {
-                continue;
-            };
+            let adam = &mut habits.adam;
             if !(p > 0.0 && f >= 0.0 && (guide + bsdf + f + p).is_finite()) {
                 continue;
             }
@@ -186,8 +272,8 @@ impl Fractions {
             let gradient = -(f / p) * (guide - bsdf) / mixture;
             adam.step(gradient * a * (1.0 - a) + DECAY * adam.logit);
         }
-        for (share, adam) in self.shares.iter_mut().zip(&self.cells) {
-            *share = adam.share();
+        for (chances, habits) in self.chances.iter_mut().zip(&self.cells) {
+            *chances = habits.chances();
         }
     }
 }

@@ -159,6 +159,7 @@ mod freeze;
 pub mod gmm;
 mod importance;
 mod ledger;
+mod light_chance;
 mod links;
 mod merge;
 mod model;
@@ -174,8 +175,9 @@ mod train;
 
 pub use field::Field;
 pub use file::FieldFile;
-pub use fraction::{FLOOR, FractionRecord, Fractions};
+pub use fraction::{Chances, FLOOR, FractionRecord, Fractions};
 pub use ledger::{Ledger, Numbers};
+pub use light_chance::LEAST as LEAST_LIGHT;
 pub use model::ModelKind;
 pub use query::{GuideSample, LocalField};
 pub use record::{PathSample, Photon, SurfacePoint};

@@ -4,6 +4,7 @@ use super::field::{Field, GROUPS, NONE};
 use super::links::quadrant;
 use super::model::Query;
 use crate::math::equal_area::{DirectionCell, direction_code};
+use crate::math::rng::BELOW_ONE;
 use crate::math::{Rgb, Vec2, Vec3};
 use std::f32::consts::PI;
 
@@ -128,7 +129,7 @@ impl<'f> LocalField<'f> {
         if select.x < e || self.total <= 0.0 {
             return self.evaluated(DirectionCell::SPHERE.direction(direction));
         }
-        let x = ((select.x - e) / (1.0 - e)).clamp(0.0, 1.0 - f32::EPSILON * 0.5);
+        let x = ((select.x - e) / (1.0 - e)).clamp(0.0, BELOW_ONE);
         let Some((slot, group)) = self.pick(x, select.y) else {
             return self.evaluated(DirectionCell::SPHERE.direction(direction));
         };

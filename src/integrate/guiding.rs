@@ -7,7 +7,8 @@
 
 use crate::bsdf::{Bsdf, BsdfSample, LobeFlags, Transport};
 use crate::guide::gmm::{LocalMixture, Mixtures};
-use crate::guide::{Field, Fractions, GuideSample, LocalField};
+use crate::guide::{Chances, Field, Fractions, GuideSample, LocalField};
+use crate::math::rng::BELOW_ONE;
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::texture::SurfacePoint;
 use std::f32::consts::FRAC_1_PI;
@@ -74,6 +75,8 @@ pub struct GuidedVertex<'a> {
     local: Local<'a>,
     /// Probability of drawing from the field.
     fraction: f32,
+    /// Probability of sampling a light.
+    light_chance: f32,
     /// Radiance that the surface is expected to reflect, if it were matt.
     reflected: Rgb,
 }
@@ -104,7 +107,7 @@ impl Guide {
     /// The same, drawing from the field with this probability everywhere, if one is given.
     pub fn with_mixture(self, share: Option<f32>) -> Self {
         let fractions = match share {
-            Some(share) => Fractions::fixed(&self.field, share),
+            Some(share) => self.fractions.with_share(share),
             None => self.fractions,
         };
         Self {
@@ -116,7 +119,10 @@ impl Guide {
 
 /// How often mixtures are trusted: the fraction that the double hierarchy has, too, before camera paths
 /// have taught it a better one.
-const TRUST: f32 = 0.5;
+const TRUST: Chances = Chances {
+    field: 0.5,
+    light: 1.0,
+};
 
 impl<'a> Guidance<'a> {
     /// What the field says at a vertex, or nothing where it should not be asked: no smooth lobe, a
@@ -132,7 +138,7 @@ impl<'a> Guidance<'a> {
         if !is_guidable(bsdf) {
             return None;
         }
-        let (local, irradiance, fraction) = match self {
+        let (local, irradiance, chances) = match self {
             Self::Double(guide) => guide.ask(point, bsdf, wo, throughput)?,
             Self::Gmm(mixtures) => {
                 let mixture = mixtures.at(point.p, facing(point, wo))?;
@@ -141,14 +147,15 @@ impl<'a> Guidance<'a> {
         };
         Some(GuidedVertex {
             local,
-            fraction,
+            fraction: chances.field,
+            light_chance: chances.light,
             reflected: bsdf.albedo() * irradiance * FRAC_1_PI,
         })
     }
 }
 
 impl Guide {
-    /// The field at a vertex, the irradiance there and how often to trust it; nothing without light.
+    /// The field at a vertex, the irradiance there and the chances of what to do; nothing without light.
     #[inline]
     fn ask(
         &self,
@@ -156,7 +163,7 @@ impl Guide {
         bsdf: &Bsdf,
         wo: Vec3,
         throughput: Rgb,
-    ) -> Option<(Local<'_>, Rgb, f32)> {
+    ) -> Option<(Local<'_>, Rgb, Chances)> {
         let horizon = bsdf.light_normal(wo);
         let horizon = (horizon != Vec3::ZERO).then_some(horizon);
         let local = self
@@ -165,9 +172,9 @@ impl Guide {
         if !local.has_light() {
             return None;
         }
-        let fraction = self.fractions.fraction(local.cell());
+        let chances = self.fractions.chances(local.cell());
         let irradiance = local.irradiance();
-        Some((Local::Double(local), irradiance, fraction))
+        Some((Local::Double(local), irradiance, chances))
     }
 }
 
@@ -176,6 +183,12 @@ impl GuidedVertex<'_> {
     #[inline]
     pub fn reflected(&self) -> Rgb {
         self.reflected
+    }
+
+    /// How often to sample a light here.
+    #[inline]
+    pub fn light_chance(&self) -> f32 {
+        self.light_chance
     }
 
     /// Density of the field alone.
@@ -235,6 +248,3 @@ impl GuidedVertex<'_> {
         })
     }
 }
-
-/// The largest f32 below 1.
-const BELOW_ONE: f32 = 1.0 - f32::EPSILON * 0.5;

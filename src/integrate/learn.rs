@@ -14,7 +14,7 @@ use super::vertex::Walk;
 use super::wave::Wave;
 use crate::camera::CameraRay;
 use crate::guide::{
-    Field, GuideError, ModelKind, Photon, Settings, Source, Stats, SurfacePoint, Trainer,
+    Field, Fractions, GuideError, ModelKind, Photon, Settings, Source, Stats, SurfacePoint, Trainer,
 };
 use crate::math::{PathSampler, Vec2};
 use crate::photon::schedule::{Budget, Experience, Schedule, doubling};
@@ -320,5 +320,8 @@ pub fn garbage(scene: &Scene, seed: u64) -> Guide {
         crate::guide::ModelKind::default(),
         seed,
     );
-    Guide::new(field)
+    Guide {
+        fractions: Fractions::random(&field, seed),
+        field,
+    }
 }

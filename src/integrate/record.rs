@@ -20,6 +20,8 @@ pub trait Witness {
     fn arrive(&mut self, slot: u32, radiance: Rgb, distance: f32);
     /// A path goes on from a vertex, or ends there.
     fn leave(&mut self, slot: u32, departure: Departure);
+    /// The light sample of the vertex that the path has just left was not blocked and brought `radiance`.
+    fn lit(&mut self, slot: u32, radiance: Rgb);
 }
 
 impl Witness for () {
@@ -28,6 +30,17 @@ impl Witness for () {
     fn arrive(&mut self, _: u32, _: Rgb, _: f32) {}
     #[inline]
     fn leave(&mut self, _: u32, _: Departure) {}
+    #[inline]
+    fn lit(&mut self, _: u32, _: Rgb) {}
+}
+
+/// What a path was when it came to a vertex.
+#[derive(Clone, Copy, Debug)]
+pub struct Arrival {
+    /// Its throughput.
+    pub throughput: Rgb,
+    /// What its sample had come to, the vertex's own emission included.
+    pub radiance: Rgb,
 }
 
 /// How a path left a vertex.
@@ -37,6 +50,10 @@ pub struct Departure {
     pub position: Vec3,
     /// Unit shading normal, on the side that the path came from.
     pub normal: Vec3,
+    /// How it came.
+    pub arrival: Arrival,
+    /// The chance with which a light was sampled; `None` if no field was asked.
+    pub light_chance: Option<f32>,
     /// Where it went; `None` if it ended here, by roulette or for want of a direction.
     pub onward: Option<Onward>,
 }
@@ -64,6 +81,8 @@ pub struct Onward {
 struct Record {
     slot: u32,
     departure: Departure,
+    /// What the light sample brought.
+    light: Rgb,
     baseline: Rgb,
     distance: f32,
 }
@@ -116,9 +135,17 @@ impl Witness for Records {
         self.list.push(Record {
             slot,
             departure,
+            light: Rgb::ZERO,
             baseline: Rgb::ZERO,
             distance: 0.0,
         });
+    }
+
+    fn lit(&mut self, slot: u32, radiance: Rgb) {
+        let open = self.open.get(slot as usize).copied().unwrap_or(NONE);
+        if let Some(record) = self.list.get_mut(open as usize) {
+            record.light += radiance;
+        }
     }
 }
 
@@ -154,9 +181,26 @@ impl Lessons {
         let Departure {
             position,
             normal,
+            arrival,
+            light_chance,
             onward,
         } = record.departure;
+        // What a light sample and the way on brought, relative to the throughput.
+        let whole = arrival.throughput.element_sum();
+        let reflected = (outcome - arrival.radiance).max(Rgb::ZERO).element_sum() / whole;
+        let vertex = light_chance.map(|light_chance| FractionRecord {
+            position,
+            normal,
+            value: Rgb::ZERO,
+            pdf: 0.0,
+            guide_pdf: 0.0,
+            bsdf_pdf: 0.0,
+            light: record.light.element_sum() / whole,
+            light_chance,
+            reflected,
+        });
         let Some(on) = onward else {
+            self.fractions.extend(vertex);
             self.samples.push(PathSample {
                 position,
                 direction: normal,
@@ -187,16 +231,13 @@ impl Lessons {
             distance: record.distance,
             normal: side,
         });
-        if on.guide_pdf > 0.0 {
-            self.fractions.push(FractionRecord {
-                position,
-                normal,
-                value: on.weight * on.pdf * radiance,
-                pdf: on.pdf * on.survival,
-                guide_pdf: on.guide_pdf,
-                bsdf_pdf: on.bsdf_pdf,
-            });
-        }
+        self.fractions.extend(vertex.map(|v| FractionRecord {
+            value: on.weight * on.pdf * radiance,
+            pdf: on.pdf * on.survival,
+            guide_pdf: on.guide_pdf,
+            bsdf_pdf: on.bsdf_pdf,
+            ..v
+        }));
     }
 
     /// Adds another wave's lessons behind these.

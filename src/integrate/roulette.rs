@@ -29,10 +29,20 @@ pub enum Roulette {
     Throughput,
 }
 
-/// Chance to go on by throughput.
+/// What roulette by throughput looks at. Where radiance is squeezed by an interface, it will be released
+/// again: eta takes that out.
+#[inline]
+pub fn standing(path: &Path) -> f32 {
+    path.throughput.max_element() * path.eta * path.eta
+}
+
+/// Chance to go on by throughput, relative to what the field let the path have when it aimed it last. A
+/// path that was sent through glass towards the sun has a throughput of a thousandth: to end it there
+/// unless it is lucky would undo the aiming (veach-ajar has no glass; a torus in glass under a small sun has
+/// half the variance since).
 #[inline]
 pub fn by_throughput(path: &Path) -> f32 {
-    (path.throughput.max_element() * path.eta * path.eta).min(MAX_SURVIVAL)
+    (standing(path) / path.aimed_with).min(MAX_SURVIVAL)
 }
 
 /// Chance to go on by what the path will bring: `coming` is the throughput up to the vertex times the

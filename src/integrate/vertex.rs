@@ -1,7 +1,7 @@
 //! One vertex of a camera path.
 
 use super::guiding::{Guidance, GuidedVertex, facing, is_guidable};
-use super::record::{Departure, Onward, Witness};
+use super::record::{Arrival, Departure, Onward, Witness};
 use super::roulette;
 use super::wave::{FirstHit, Outcome, Path};
 use super::{PathSettings, Roulette};
@@ -9,6 +9,7 @@ use crate::accel::{Hit, Ray};
 use crate::bsdf::{Bsdf, BsdfSample, LobeFlags, Transport};
 use crate::math::mis::power_heuristic;
 use crate::math::offset::{gamma, offset_origin};
+use crate::math::rng::BELOW_ONE;
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::scene::Scene;
 use crate::scene::surface::DARK;
@@ -109,14 +110,12 @@ pub fn visit(
         wo,
     };
     let block = path.sampler.next4();
-    let shadow = if bsdf.flags().has(LobeFlags::SMOOTH) {
-        sample_light(walk, &vertex, path, [block[0], block[1], block[2]])
-    } else {
-        path.from_normal = Vec3::ZERO;
-        None
+    let arrival = Arrival {
+        throughput: path.throughput,
+        radiance: outcome.radiance,
     };
-    let so_far = outcome.radiance;
-    let ray = scatter(settings, &vertex, path, (block[3], so_far), hit.t, witness);
+    let shadow = sample_light(walk, &vertex, path, [block[0], block[1], block[2]]);
+    let ray = scatter(settings, &vertex, path, block[3], &arrival, hit.t, witness);
     Next { ray, shadow }
 }
 
@@ -147,7 +146,7 @@ fn add_environment(
     let lights = &scene.lights;
     let (radiance, weight) = if path.pdf.is_finite() {
         let (radiance, pdf) = lights.environment_pdf(path.from, path.from_normal, ray.dir);
-        (radiance, power_heuristic(path.pdf, pdf))
+        (radiance, power_heuristic(path.pdf, pdf * path.light_chance))
     } else {
         (lights.environment(ray.dir), 1.0)
     };
@@ -178,7 +177,7 @@ fn add_emission(
         let (from, n) = (path.from, path.from_normal);
         let lights = &scene.lights;
         let pdf = lights.pdf_area(from, n, emitter, point.prim, point.p, point.ng);
-        power_heuristic(path.pdf, pdf)
+        power_heuristic(path.pdf, pdf * path.light_chance)
     } else {
         1.0
     };
@@ -191,7 +190,8 @@ fn crosses(point: &SurfacePoint, w: Vec3) -> bool {
     point.ng.dot(w) * point.frame.n.dot(w) <= 0.0
 }
 
-/// Next-event estimation: a shadow ray with the light it would bring.
+/// Next-event estimation: a shadow ray with the light it would bring, if there is one. With a guide it is
+/// left out where it seldom brings any.
 #[inline]
 fn sample_light(
     walk: &Walk,
@@ -208,7 +208,16 @@ fn sample_light(
         guided,
         wo,
     } = *vertex;
+    path.light_chance = guided.map_or(1.0, GuidedVertex::light_chance);
+    if !bsdf.flags().has(LobeFlags::SMOOTH) {
+        path.from_normal = Vec3::ZERO;
+        return None;
+    }
     path.from_normal = bsdf.light_normal(wo);
+    if u[0] >= path.light_chance {
+        return None;
+    }
+    let u = [(u[0] / path.light_chance).min(BELOW_ONE), u[1], u[2]];
     let light = scene.lights.sample(point.p, path.from_normal, u)?;
     if settings.strict_normals && (crosses(point, light.dir) || crosses(point, wo)) {
         return None;
@@ -217,14 +226,15 @@ fn sample_light(
     if f == Rgb::ZERO {
         return None;
     }
+    let light_pdf = light.pdf * path.light_chance;
     let weight = if light.delta {
         1.0
     } else {
         let pdf = guided.map_or(bsdf_pdf, |g| g.pdf(light.dir, bsdf_pdf));
-        power_heuristic(light.pdf, pdf)
+        power_heuristic(light_pdf, pdf)
     };
     // Large BSDFs (narrow lobes) meet small weights before bright lights: the other order overflows (S8).
-    let radiance = path.throughput * (f * (weight / light.pdf)) * light.radiance;
+    let radiance = path.throughput * (f * (weight / light_pdf)) * light.radiance;
     let org = offset_origin(point.p, point.error, point.ng, light.dir);
     let ray = if light.distance.is_finite() {
         shadow_ray(org, point.p + light.dir * light.distance)
@@ -261,19 +271,16 @@ fn scatter(
     settings: &PathSettings,
     vertex: &Vertex,
     path: &mut Path,
-    (u_roulette, so_far): (f32, Rgb),
+    u_roulette: f32,
+    arrival: &Arrival,
     distance: f32,
     witness: &mut impl Witness,
 ) -> Option<Ray> {
-    let onward = go_on(settings, vertex, path, (u_roulette, so_far));
+    let onward = go_on(settings, vertex, path, u_roulette, arrival);
     let delta = |sample: &BsdfSample| sample.lobe.has(LobeFlags::DELTA);
     // A delta lobe was chosen: no smooth direction was. That counts as a vertex without one.
-    watch(
-        vertex,
-        path,
-        onward.as_ref().filter(|o| !delta(&o.0)),
-        witness,
-    );
+    let smooth = onward.as_ref().filter(|o| !delta(&o.0));
+    watch(vertex, path, arrival, smooth, witness);
     let (sample, _) = onward?;
     let delta = delta(&sample);
     let Vertex { point, bsdf, .. } = *vertex;
@@ -296,7 +303,8 @@ fn go_on(
     settings: &PathSettings,
     vertex: &Vertex,
     path: &mut Path,
-    (u_roulette, so_far): (f32, Rgb),
+    u_roulette: f32,
+    arrival: &Arrival,
 ) -> Option<(BsdfSample, f32)> {
     let Vertex {
         point,
@@ -304,7 +312,6 @@ fn go_on(
         guided,
         wo,
     } = *vertex;
-    let before = path.throughput;
     let block = path.sampler.next4();
     path.depth += 1;
     let sample = match guided {
@@ -323,18 +330,22 @@ fn go_on(
         return None;
     }
     path.eta *= sample.eta;
-    let survival = match guided {
-        Some(guided) if settings.roulette == Roulette::Field => {
-            let coming = (before * guided.reflected()).element_sum();
-            roulette::by_field(path, coming, so_far)
+    let by_field = guided.filter(|_| settings.roulette == Roulette::Field);
+    let survival = match by_field {
+        Some(guided) => {
+            let coming = (arrival.throughput * guided.reflected()).element_sum();
+            roulette::by_field(path, coming, arrival.radiance)
         }
-        _ if path.depth >= settings.rr_depth => roulette::by_throughput(path),
-        _ => 1.0,
+        None if path.depth >= settings.rr_depth => roulette::by_throughput(path),
+        None => 1.0,
     };
     if u_roulette >= survival {
         return None;
     }
     path.throughput /= survival;
+    if by_field.is_some() {
+        path.aimed_with = roulette::standing(path);
+    }
     Some((sample, survival))
 }
 
@@ -343,6 +354,7 @@ fn go_on(
 fn watch<W: Witness>(
     vertex: &Vertex,
     path: &Path,
+    arrival: &Arrival,
     onward: Option<&(BsdfSample, f32)>,
     witness: &mut W,
 ) {
@@ -366,6 +378,8 @@ fn watch<W: Witness>(
     let departure = Departure {
         position: vertex.point.p,
         normal: facing(vertex.point, vertex.wo),
+        arrival: *arrival,
+        light_chance: vertex.guided.map(GuidedVertex::light_chance),
         onward,
     };
     witness.leave(path.slot, departure);

@@ -22,6 +22,8 @@ pub struct Path {
     pub from: Vec3,
     /// The normal that light sampling was given there (zero: light from all sides).
     pub from_normal: Vec3,
+    /// The chance with which a light was sampled there.
+    pub light_chance: f32,
     /// Product of relative indices of refraction.
     pub eta: f32,
     /// Edges so far.
@@ -31,6 +33,8 @@ pub struct Path {
     /// What the sample is expected to come to by the field's account, summed over the channels; 0 until
     /// the field was asked.
     pub expected: f32,
+    /// The path's standing (see [`super::roulette`]) when the field aimed it last; 1 until then.
+    pub aimed_with: f32,
     /// Width of the ray's cone at its origin.
     pub cone_width: f32,
     /// Growth of that width per unit distance.
@@ -48,9 +52,11 @@ impl Path {
             pdf: f32::INFINITY,
             from: camera.ray.org,
             from_normal: Vec3::ZERO,
+            light_chance: 1.0,
             eta: 1.0,
             depth: 0,
             expected: 0.0,
+            aimed_with: 1.0,
             slot,
             cone_width: camera.cone_width,
             cone_spread: camera.cone_spread,
@@ -116,7 +122,7 @@ impl Wave {
             walk.scene.rays.intersect_batch(&self.rays, &mut self.hits);
             self.rays_traced += self.rays.len() as u64;
             self.advance(walk, witness);
-            self.collect_light(walk.scene);
+            self.collect_light(walk.scene, witness);
         }
         &self.outcomes
     }
@@ -153,7 +159,7 @@ impl Wave {
     }
 
     /// Adds the light of all unblocked shadow rays.
-    fn collect_light(&mut self, scene: &Scene) {
+    fn collect_light(&mut self, scene: &Scene, witness: &mut impl Witness) {
         self.blocked.resize(self.shadow_rays.len(), false);
         scene
             .rays
@@ -162,6 +168,7 @@ impl Wave {
         for (shadow, blocked) in self.shadows.iter().zip(&self.blocked) {
             if !blocked {
                 self.outcomes[shadow.slot as usize].radiance += shadow.radiance;
+                witness.lit(shadow.slot, shadow.radiance);
             }
         }
     }

@@ -8,7 +8,7 @@
 //!
 //! Inversion keeps stratified random numbers stratified; an alias table would not.
 
-use super::rng::hash64;
+use super::rng::{BELOW_ONE, hash64};
 
 /// The whole of the cumulative weights: one less than 2^32, so that an end that must never be reached fits 32 bits.
 const WHOLE: u64 = u32::MAX as u64;
@@ -99,12 +99,9 @@ fn choose(starts: &[u32], guide: &[u32], u: u32) -> Choice {
     Choice {
         index,
         probability: (units as f64 / WHOLE as f64) as f32,
-        rest: rest.min(ONE_BELOW),
+        rest: rest.min(BELOW_ONE),
     }
 }
-
-/// The largest float below 1.
-const ONE_BELOW: f32 = 1.0 - f32::EPSILON * 0.5;
 
 #[inline]
 fn end(starts: &[u32], index: usize) -> u64 {
@@ -227,7 +224,7 @@ pub fn sample_linear(a: f32, b: f32, u: f32) -> f32 {
     let a = a / (a + b);
     let b = 1.0 - a;
     let root = (a * a + u * (b * b - a * a)).max(0.0).sqrt();
-    (u / (a + root).max(f32::MIN_POSITIVE)).min(ONE_BELOW)
+    (u / (a + root).max(f32::MIN_POSITIVE)).min(BELOW_ONE)
 }
 
 #[cfg(test)]

@@ -46,6 +46,9 @@ pub fn unit_f32(bits: u32) -> f32 {
     (bits >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 
+/// The largest f32 below 1, where a rescaled random number may round up to 1.
+pub const BELOW_ONE: f32 = 1.0 - f32::EPSILON * 0.5;
+
 /// Mixes 64 bits so that every input bit moves every output bit (the finaliser of MurmurHash3, Stafford's variant 13).
 #[inline]
 pub fn hash64(mut x: u64) -> u64 {

@@ -2,6 +2,8 @@
 //! its inverse, which sampling Beckmann's microfacets needs, and an angle, which finding a direction's cell
 //! needs several times at every vertex.
 
+use super::rng::BELOW_ONE;
+
 /// erf(x), with an absolute error below 3e-7 (Abramowitz and Stegun 1964, 7.1.26).
 ///
 /// ```
@@ -20,7 +22,7 @@ pub fn erf(x: f32) -> f32 {
 /// (Giles, "Approximating the erfinv function", GPU Computing Gems Jade, 2011).
 #[inline]
 pub fn erf_inv(y: f32) -> f32 {
-    let y = y.clamp(-ALMOST_ONE, ALMOST_ONE);
+    let y = y.clamp(-BELOW_ONE, BELOW_ONE);
     let w = -((1.0 - y) * (1.0 + y)).ln();
     if w < 5.0 {
         y * polynomial(&CENTRAL, w - 2.5)
@@ -55,9 +57,6 @@ const ARC_TANGENT: [f32; 9] = [
     -2.122_050_7e-1,
     6.366_197_5e-1,
 ];
-
-/// The largest f32 below 1.
-const ALMOST_ONE: f32 = 1.0 - f32::EPSILON * 0.5;
 
 /// Giles's coefficients for w < 5, highest power first.
 const CENTRAL: [f32; 9] = [

@@ -37,7 +37,9 @@ impl FieldReport {
         let settings = file.trainer.settings();
         let (field, fractions) = file.freeze();
         let cells = field.cell_count();
-        let sum: f64 = (0..cells).map(|c| f64::from(fractions.fraction(c))).sum();
+        let sum: f64 = (0..cells)
+            .map(|c| f64::from(fractions.chances(c).field))
+            .sum();
         Self {
             field: path.display().to_string(),
             scene: format!("{:016x}", settings.scene_hash),

@@ -157,6 +157,9 @@ fn kept(model: ModelKind) -> FieldFile {
             pdf: 1.0,
             guide_pdf: 2.0 * rng.next_f32(),
             bsdf_pdf: rng.next_f32(),
+            light: rng.next_f32(),
+            light_chance: 1.0,
+            reflected: 1.0,
         })
         .collect();
     fractions.update(&field, &records);
@@ -182,9 +185,10 @@ fn fractions_and_ledger_come_back_whatever_the_order_of_cells() {
         let mut seen = std::collections::HashSet::new();
         for _ in 0..2000 {
             let x = Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32());
-            let of = |f: &crate::guide::Field, s: &Fractions| s.fraction(f.cell(x, Vec3::Z));
+            let of = |f: &crate::guide::Field, s: &Fractions| s.chances(f.cell(x, Vec3::Z));
             assert_eq!(of(&field, &fractions), of(&other, &others));
-            seen.insert(of(&field, &fractions).to_bits());
+            let chances = of(&field, &fractions);
+            seen.insert([chances.field, chances.light].map(f32::to_bits));
         }
         assert!(seen.len() > 3, "{model:?}: all the same");
     }

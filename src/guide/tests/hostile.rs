@@ -218,6 +218,9 @@ fn fractions_learn_which_strategy_pays() {
         pdf: 0.5 * (guide_pdf + bsdf_pdf),
         guide_pdf,
         bsdf_pdf,
+        light: 0.0,
+        light_chance: 1.0,
+        reflected: 1.0,
     };
     let mut records = Vec::new();
     for _ in 0..500 {
@@ -226,12 +229,12 @@ fn fractions_learn_which_strategy_pays() {
         records.push(record(bad, f32::NAN, 1.0));
     }
     let mut f = Fractions::new(&field);
-    assert_eq!(f.fraction(0), 0.5);
+    assert_eq!(f.chances(0).field, 0.5);
     f.update(&field, &records);
-    let at = |x| f.fraction(field.cell(x, Vec3::Z));
+    let at = |x| f.chances(field.cell(x, Vec3::Z)).field;
     assert!(at(good) > 0.8 && at(good) <= 0.9, "{}", at(good));
     assert!(at(bad) < 0.2 && at(bad) >= 0.1, "{}", at(bad));
-    assert_eq!(f.fraction(u32::MAX), 0.5);
+    assert_eq!(f.chances(u32::MAX).field, 0.5);
     let mut again = Fractions::new(&field);
     again.update(&field, &records);
     assert_eq!(f, again);

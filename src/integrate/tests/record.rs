@@ -1,6 +1,6 @@
 //! Lessons from paths whose light is made up.
 
-use crate::integrate::record::{Departure, Lessons, Onward, Records, Witness};
+use crate::integrate::record::{Arrival, Departure, Lessons, Onward, Records, Witness};
 use crate::integrate::wave::Outcome;
 use crate::math::{Rgb, Vec3};
 
@@ -24,6 +24,11 @@ fn departure(x: f32, onward: Option<Onward>) -> Departure {
     Departure {
         position: Vec3::new(x, 0.0, 0.0),
         normal: Vec3::Z,
+        arrival: Arrival {
+            throughput: Rgb::ONE,
+            radiance: Rgb::ZERO,
+        },
+        light_chance: None,
         onward,
     }
 }
@@ -125,10 +130,31 @@ fn a_guided_vertex_also_teaches_the_fraction() {
         throughput: Rgb::splat(2.0),
         ..onward(Rgb::ONE)
     };
-    r.leave(0, departure(0.0, Some(on)));
+    let asked = Departure {
+        arrival: Arrival {
+            throughput: Rgb::splat(0.5),
+            radiance: Rgb::splat(2.0),
+        },
+        light_chance: Some(0.25),
+        ..departure(0.0, Some(on))
+    };
+    r.leave(0, asked);
+    r.lit(0, Rgb::splat(1.5));
     r.arrive(0, Rgb::ZERO, 1.0);
+    // Too late: the vertex is left.
+    r.lit(0, Rgb::splat(9.0));
+    r.leave(
+        0,
+        Departure {
+            onward: None,
+            ..asked
+        },
+    );
     let lessons = conclude(&mut r, &[Rgb::splat(6.0)]);
+    assert_eq!(lessons.fractions[1].pdf, 0.0);
     let f = lessons.fractions[0];
+    // 6 - 2 and 1.5, for the throughput 1.
+    assert_eq!((f.light, f.light_chance, f.reflected), (3.0, 0.25, 8.0));
     // BSDF times cosine is weight times density; radiance is 6 / 2.
     assert_eq!(f.value, Rgb::splat(0.5 * 1.125 * 3.0));
     assert_eq!((f.pdf, f.guide_pdf, f.bsdf_pdf), (0.5625, 2.0, 0.25));

@@ -12,7 +12,9 @@ fn path(throughput: Rgb, eta: f32) -> Path {
         from_normal: Vec3::ZERO,
         eta,
         depth: 7,
+        light_chance: 1.0,
         expected: 0.0,
+        aimed_with: 1.0,
         slot: 0,
         cone_width: 0.0,
         cone_spread: 0.0,
@@ -32,6 +34,16 @@ fn by_throughput_a_path_lives_as_its_brightest_channel_says() {
         "paths between mirrors end"
     );
     assert_eq!(chance(0.0, 0.0, 0.0, 1.0), 0.0);
+}
+
+#[test]
+fn a_path_that_was_aimed_through_glass_is_not_ended_for_its_low_throughput() {
+    let mut p = path(Rgb::splat(0.002), 1.0);
+    p.aimed_with = 0.002;
+    assert_eq!(by_throughput(&p), 0.95);
+    // Glass that absorbs half since.
+    p.throughput *= 0.5;
+    assert_eq!(by_throughput(&p), 0.5);
 }
 
 #[test]
