@@ -231,6 +231,40 @@ fn a_learned_field_lowers_the_noise() {
     assert!(guided < 0.8 * plain, "{guided} is not well below {plain}");
 }
 
+/// A room lit by a small lamp in a bulb of glass: light samples are blocked everywhere, and a path that the
+/// field aims at the bulb has a throughput of a hundredth when it meets the glass.
+#[test]
+fn roulette_spares_what_the_field_aimed_through_glass() {
+    let mut maker = SceneMaker::new(Vec3::new(0.0, 0.0, -0.9), Vec3::Z, 70.0, 16);
+    let wall = maker.diffuse(0.5);
+    maker.shape(inside_of_cube(1.0), wall, None, false);
+    let glass = maker.material(Material::Dielectric {
+        eta: 1.5,
+        specular_reflectance: grey(1.0),
+        specular_transmittance: grey(1.0),
+    });
+    maker.sphere(Vec3::new(0.0, 0.5, 0.3), 0.15, glass, None, false);
+    let black = maker.diffuse(0.0);
+    maker.sphere(Vec3::new(0.0, 0.5, 0.3), 0.04, black, Some(500.0), false);
+    let room = maker.build(Backend::default());
+    let field = learned(&room, 400_000, 100_000).guide;
+    let noise = |rr_depth: u32, guide| {
+        let path = PathSettings {
+            rr_depth,
+            ..twelve()
+        };
+        let (film, _) = room.render_guided(&path, 256, guide);
+        f64::from(film.noise().expect("enough samples")).powi(2)
+    };
+    let (spared, early) = (noise(1000, Some(&field)), noise(1, Some(&field)));
+    let plain = noise(1000, None);
+    println!(
+        "relative variance {plain:.6} unguided, {spared:.6} guided, {early:.6} with roulette at once"
+    );
+    assert!(early < 1.5 * spared, "{early} is far above {spared}");
+    assert!(spared < 0.2 * plain, "{spared} is not well below {plain}");
+}
+
 #[test]
 fn the_field_is_the_same_for_any_number_of_threads() {
     let room = room();

@@ -13,6 +13,7 @@ use super::light_chance::{LEAST as LEAST_LIGHT, LightChance};
 use super::record::weight;
 use crate::math::rng::{hash64, unit_f32};
 use crate::math::{Rgb, Vec3};
+use rayon::prelude::*;
 
 /// Bounds of the fraction: neither strategy may vanish.
 pub const FLOOR: f32 = 0.1;
@@ -121,6 +122,24 @@ impl Habits {
             adam: Adam::read(r)?,
             light: LightChance::read(r)?,
         })
+    }
+
+    /// Takes one record in; light is counted in `unit`.
+    fn learn(&mut self, r: &FractionRecord, unit: f64) {
+        self.light.add(r.light, r.light_chance, r.reflected);
+        let f = f64::from(weight(r.value)) / unit;
+        let [p, guide, bsdf] = [r.pdf, r.guide_pdf, r.bsdf_pdf].map(f64::from);
+        if !(p > 0.0 && f >= 0.0 && (guide + bsdf + f + p).is_finite()) {
+            return;
+        }
+        let a = sigmoid(self.adam.logit);
+        let mixture = a * guide + (1.0 - a) * bsdf;
+        if mixture <= 0.0 {
+            return;
+        }
+        let gradient = -(f / p) * (guide - bsdf) / mixture;
+        self.adam
+            .step(gradient * a * (1.0 - a) + DECAY * self.adam.logit);
     }
 
     fn chances(&self) -> Chances {
@@ -241,36 +260,26 @@ impl Fractions {
 
     /// Learns from a batch. Records with numbers that are not finite are ignored.
     pub fn update(&mut self, field: &Field, records: &[FractionRecord]) {
-        let mut order: Vec<(u32, u32)> = records
-            .iter()
-            .enumerate()
-            .map(|(i, r)| (field.cell(r.position, r.normal), i as u32))
-            .collect();
-        order.sort_unstable();
+        let cell_of = |(i, r): (usize, &FractionRecord)| {
+            u64::from(field.cell(r.position, r.normal)) << 32 | i as u64
+        };
+        let mut order: Vec<u64> = records.par_iter().enumerate().map(cell_of).collect();
+        order.par_sort_unstable();
         let unit = typical(records);
-        for (cell, i) in order {
-            let r = &records[i as usize];
-            let Some(habits) = self.cells.get_mut(cell as usize) else {
-                continue;
-            };
-            habits.light.add(r.light, r.light_chance, r.reflected);
-            let f = f64::from(weight(r.value)) / unit;
-            let (p, guide, bsdf) = (
-                f64::from(r.pdf),
-                f64::from(r.guide_pdf),
-                f64::from(r.bsdf_pdf),
-            );
-            let adam = &mut habits.adam;
-            if !(p > 0.0 && f >= 0.0 && (guide + bsdf + f + p).is_finite()) {
-                continue;
-            }
-            let a = sigmoid(adam.logit);
-            let mixture = a * guide + (1.0 - a) * bsdf;
-            if mixture <= 0.0 {
-                continue;
-            }
-            let gradient = -(f / p) * (guide - bsdf) / mixture;
-            adam.step(gradient * a * (1.0 - a) + DECAY * adam.logit);
+        let runs: Vec<&[u64]> = order.chunk_by(|a, b| a >> 32 == b >> 32).collect();
+        let learned: Vec<(usize, Habits)> = runs
+            .into_par_iter()
+            .filter_map(|run| {
+                let cell = (run[0] >> 32) as usize;
+                let mut habits = *self.cells.get(cell)?;
+                for &o in run {
+                    habits.learn(&records[o as u32 as usize], unit);
+                }
+                Some((cell, habits))
+            })
+            .collect();
+        for (cell, habits) in learned {
+            self.cells[cell] = habits;
         }
         for (chances, habits) in self.chances.iter_mut().zip(&self.cells) {
             *chances = habits.chances();

@@ -117,7 +117,10 @@
 //!   ([`Trainer::emptied`], [`Trainer::merge`]) add up to the same bits as one long run.
 //! * **Camera paths** ([`Trainer::train_paths`]) estimate the same F as the mean of
 //!   radiance * cosine / pdf over the vertices in r: no area is needed, vertices are counted instead.
-//!   With [`Source::Both`] the two estimates are averaged where a cell has 32 vertices.
+//!   With [`Source::Both`] the two estimates are averaged where a cell has 32 vertices. Each by its number
+//!   of records gains 3 to 5 % in veach-ajar and in a glass caustic, and loses a fifth to a third in evenly
+//!   lit rooms; a share of 0.8 for photons: 10.0 against 9.3 in veach-ajar, of 0.2: 6.5 against 4.7 in the
+//!   caustic (relative variance, 64 samples).
 //!
 //! * **A render teaches its own field.** Photons find where light goes, camera paths find what the picture
 //!   needs; so a render first traces some photons, and then its own first passes (1, 1, 2, 4 .. samples a
@@ -125,6 +128,15 @@
 //!   Relative error of veach-ajar, 64 samples, and error times processor seconds with training: 500 000
 //!   photons and as many paths before the render 0.164, 5.0; 500 000 photons and the image's own paths up
 //!   to 2 000 000 0.144, 3.8; with 250 000 photons 0.151, 4.1; with 2 000 000 photons 0.125, 5.9.
+//! * **Roulette goes by the field, and by nothing else on the way.** A direction towards bright light is drawn
+//!   with a high density, so its throughput is low. Roulette at a guided vertex therefore looks at what the
+//!   path will bring, and roulette at vertices without a guide (glass, water) at the throughput relative to
+//!   the last guided one. With the plain throughput there, paths that were aimed at the sun through water
+//!   survived one time in a thousand: relative variance of lux-pool, 128 samples, 2000 instead of 200, of a
+//!   glass caustic 76 instead of 7, of a torus in glass at 512 samples 163 instead of 18.
+//! * **Light samples only where they bring light.** [`Fractions`] learns per cell how often. The rays of a
+//!   path fall from 7.5 to 6.9 in veach-ajar, 7.0 to 6.2 in lux-pool, 6.0 to 5.5 in a kitchen, and the
+//!   variance stays.
 //! * **What was tried and lost.** Square roots of the second moment as the target of path records (Rath et
 //!   al. 2020): 0.165 against 0.144 in veach-ajar, 0.489 against 0.547 in a caustic, the same elsewhere. A
 //!   fixed share of 0.5, 0.7 or 0.9 for the field instead of the learned one: 0.195, 0.257, 0.478 against
@@ -134,7 +146,8 @@
 //!
 //! # Beside the tree
 //!
-//! * [`Fractions`] learns for each cell of R how often to sample the field instead of the BSDF.
+//! * [`Fractions`] learns for each cell of R how often to sample the field instead of the BSDF, and how often
+//!   to sample a light.
 //! * [`FieldFile`] keeps sums, not densities, so that a field can be trained further elsewhere, and a
 //!   [`Ledger`] of what it has learned from, so that nothing is counted twice; damaged and foreign files
 //!   are refused with a reason and a place.

@@ -5,9 +5,9 @@ Efficiency is 1 / (relMSE x seconds), learning included, loading and building of
 is the mean of (I - R)^2 / (R^2 + 0.01) over pixels and channels without the worst 0.1 % of pixels. Each
 cell is the median over the seeds; rounds take the configurations in turn.
 
-The reference R is `ref_320.exr` beside the scene, made by another renderer (with `ref_320_stderr.exr`, its
-standard error, whose part of the error is taken off), or else a guided render of this program with
---reference-spp samples, kept in target/efficiency.
+The reference R is a guided render of this program with a seed of its own and --reference-time seconds, kept
+in target/efficiency (that the program's images are right is for tests/agreement.rs to say). The part of the
+error that is the reference's own, known from its variance layer, is taken off.
 
     pip install mitsuba==3.9.1        # reads the images
     python3 tests/bench/efficiency.py [--time 60] [--seeds 3] [--with "--guide double"]... SCENE.xml...
@@ -20,12 +20,12 @@ mi.set_variant("scalar_rgb")
 KEPT = pathlib.Path("target/efficiency")
 
 
-def pixels(path):
-    """Height by width by RGB; of an image of layers the first."""
+def layers(path):
+    """Layers of an image by name, height by width by RGB."""
     image = mi.Bitmap(str(path))
-    if image.channel_count() > 4:
-        image = dict(image.split())["<root>"]
-    return np.array(image.convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, False), np.float64)
+    whole = dict(image.split()) if image.channel_count() > 4 else {"<root>": image}
+    form = (mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, False)
+    return {name: np.array(layer.convert(*form), np.float64) for name, layer in whole.items()}
 
 
 def relmse(image, reference):
@@ -50,16 +50,15 @@ def render(args, scene, out, more):
 
 def reference_of(args, scene):
     """The reference and the part of relMSE that is its own."""
-    theirs = scene.with_name("ref_320.exr")
-    if theirs.exists():
-        image = pixels(theirs)
-        error = pixels(theirs.with_name("ref_320_stderr.exr"))
-        return image, relmse(image + error, image)
     KEPT.mkdir(parents=True, exist_ok=True)
-    ours = KEPT / f"{scene.parent.name}-{scene.stem}-{args.reference_spp}.exr"
-    if not ours.exists():
-        render(args, scene, ours, ["--guide", "double", "--spp", str(args.reference_spp), "--seed", "977", "--format", "float"])
-    return pixels(ours), 0.0
+    kept = KEPT / f"{scene.parent.name}-{scene.stem}-{args.reference_time:.0f}s.exr"
+    if not kept.exists():
+        more = ["--guide", "double", "--seed", "977", "--format", "float", "--aov", "variance"]
+        render(args, scene, kept, [*more, "--time", f"{args.reference_time}s", "--spp", "1000000"])
+    found = layers(kept)
+    image = found["<root>"]
+    variance = next(layer for name, layer in found.items() if "variance" in name.lower())
+    return image, relmse(image + np.sqrt(variance), image)
 
 
 def main():
@@ -68,7 +67,7 @@ def main():
     parser.add_argument("--time", type=float, default=60, help="seconds of each render, learning included")
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--threads", type=int, default=2)
-    parser.add_argument("--reference-spp", type=int, default=16384)
+    parser.add_argument("--reference-time", type=float, default=240, help="seconds of a reference's render")
     parser.add_argument("--with", dest="configurations", action="append", metavar="OPTIONS",
                         help="options to compare with --guide none (default: --guide double)")
     parser.add_argument("--program", default="target/release/twintree")
@@ -87,7 +86,7 @@ def main():
                     stats = render(args, scene, out, more)
                     learning = stats["train_seconds"]
                     seconds = stats["render_seconds"]  # learning included
-                    error = relmse(pixels(out), reference) - floor
+                    error = relmse(layers(out)["<root>"], reference) - floor
                     results.append((error, seconds, learning, stats["spp"], error * seconds))
         middle = {options: [statistics.median(r) for r in zip(*results)] for options, results in rounds.items()}
         plain = middle[configurations[0]][4]
