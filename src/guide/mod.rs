@@ -118,8 +118,8 @@
 //! * **Camera paths** ([`Trainer::train_paths`]) estimate the same F as the mean of
 //!   radiance * cosine / pdf over the vertices in r: no area is needed, vertices are counted instead.
 //!   With [`Source::Both`] the two estimates are averaged where a cell has 32 vertices. Each by its number
-//!   of records gains 3 to 5 % in veach-ajar and in a glass caustic, and loses a fifth to a third in evenly
-//!   lit rooms; a share of 0.8 for photons: 10.0 against 9.3 in veach-ajar, of 0.2: 6.5 against 4.7 in the
+//!   of records gains 3 to 5 % in veach-ajar and in a glass caustic, and adds half to the variance of evenly lit
+//!   rooms; a share of 0.8 for photons: 10.0 against 9.3 in veach-ajar, of 0.2: 6.5 against 4.7 in the
 //!   caustic (relative variance, 64 samples).
 //!
 //! * **A render teaches its own field.** Photons find where light goes, camera paths find what the picture
