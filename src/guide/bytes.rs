@@ -14,6 +14,10 @@ impl Writer {
     pub fn u64(&mut self, v: u64) {
         self.0.extend(v.to_le_bytes());
     }
+    /// Bit by bit, whatever it is.
+    pub fn f64(&mut self, v: f64) {
+        self.u64(v.to_bits());
+    }
     pub fn bytes(&mut self, v: &[u8]) {
         self.0.extend(v);
     }
@@ -68,6 +72,9 @@ impl<'a> Reader<'a> {
     }
     pub fn u64(&mut self) -> Option<u64> {
         self.take().map(u64::from_le_bytes)
+    }
+    pub fn f64(&mut self) -> Option<f64> {
+        self.u64().map(f64::from_bits)
     }
     pub fn varint(&mut self) -> Option<u128> {
         let mut v = 0u128;

@@ -15,7 +15,7 @@ use crate::math::sum::SumUnit;
 pub(super) fn write_body(t: &Trainer, w: &mut Writer) {
     write_counters(t, w);
     write_keys(&t.space.points, w);
-    w.u64(t.space.total_area.to_bits());
+    w.f64(t.space.total_area);
     write_keys(&t.space.seen, w);
     w.u8(t.space.seen_level);
     let shape = t.product.preorder();
@@ -95,7 +95,7 @@ fn fill(t: &mut Trainer, r: &mut Reader) -> Option<()> {
     t.photon_unit = read_unit(r)?;
     t.path_unit = read_unit(r)?;
     t.space.points = read_keys(r)?;
-    t.space.total_area = f64::from_bits(r.u64()?);
+    t.space.total_area = r.f64()?;
     if !(t.space.total_area.is_finite() && t.space.total_area >= 0.0) {
         return None;
     }

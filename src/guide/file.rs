@@ -2,8 +2,8 @@
 //!
 //! Little-endian. Magic, version, length of the rest, CRC-32 of the rest; then, as JSON, the settings
 //! (among them the scene's identity and bounds) and the [`Ledger`] (which photons and paths are in it),
-//! the mixture fractions, and the trees with their sums (see `content.rs`). Whatever is wrong with a file
-//! is said with the byte where it shows.
+//! the mixture fractions and chances of light samples, and the trees with their sums (see `content.rs`).
+//! Whatever is wrong with a file is said with the byte where it shows.
 
 use super::Field;
 use super::bytes::{Reader, Writer};
@@ -27,7 +27,7 @@ pub struct FieldFile {
     pub trainer: Trainer,
     /// Which records are in it.
     pub ledger: Ledger,
-    /// The mixture fractions of R's leaves in preorder, which no history of splits can change; none, if
+    /// What R's leaves have learned about chances, in preorder, which no history of splits can change; none, if
     /// nothing was learned about them.
     pub(super) fractions: Vec<Habits>,
 }

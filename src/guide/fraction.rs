@@ -62,19 +62,18 @@ impl Adam {
     pub const BYTES: usize = 3 * 8 + 4;
 
     pub fn write(&self, w: &mut Writer) {
-        for v in [self.logit, self.mean, self.square] {
-            w.u64(v.to_bits());
-        }
+        w.f64(self.logit);
+        w.f64(self.mean);
+        w.f64(self.square);
         w.u32(self.steps);
     }
 
     /// Reads what `write` wrote, if it is a state that the search can be in.
     pub fn read(r: &mut Reader) -> Option<Self> {
-        let mut number = || r.u64().map(f64::from_bits);
         let adam = Self {
-            logit: number()?,
-            mean: number()?,
-            square: number()?,
+            logit: r.f64()?,
+            mean: r.f64()?,
+            square: r.f64()?,
             steps: r.u32()?,
         };
         let sound = (-20.0..=20.0).contains(&adam.logit)
@@ -160,8 +159,8 @@ pub struct Chances {
 }
 
 impl Chances {
-    /// Before anything was learned.
-    const UNKNOWN: Self = Self {
+    /// Before anything was learned: the field half of the time, and always a light.
+    pub const UNKNOWN: Self = Self {
         field: UNKNOWN,
         light: 1.0,
     };

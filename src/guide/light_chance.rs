@@ -44,18 +44,17 @@ impl LightChance {
     pub const BYTES: usize = 3 * 8;
 
     pub fn write(&self, w: &mut Writer) {
-        for v in [self.count, self.squares, self.reflected] {
-            w.u64(v.to_bits());
-        }
+        w.f64(self.count);
+        w.f64(self.squares);
+        w.f64(self.reflected);
     }
 
     /// Reads what `write` wrote, if it is a state that sums can be in.
     pub fn read(r: &mut Reader) -> Option<Self> {
-        let mut number = || r.u64().map(f64::from_bits);
         let sums = Self {
-            count: number()?,
-            squares: number()?,
-            reflected: number()?,
+            count: r.f64()?,
+            squares: r.f64()?,
+            reflected: r.f64()?,
         };
         let sound = |v: f64| v.is_finite() && v >= 0.0;
         (sound(sums.count) && sound(sums.squares) && sound(sums.reflected)).then_some(sums)

@@ -73,10 +73,8 @@ impl Local<'_> {
 /// The field at one vertex.
 pub struct GuidedVertex<'a> {
     local: Local<'a>,
-    /// Probability of drawing from the field.
-    fraction: f32,
-    /// Probability of sampling a light.
-    light_chance: f32,
+    /// How often to draw from it, and how often to sample a light.
+    chances: Chances,
     /// Radiance that the surface is expected to reflect, if it were matt.
     reflected: Rgb,
 }
@@ -117,13 +115,6 @@ impl Guide {
     }
 }
 
-/// How often mixtures are trusted: the fraction that the double hierarchy has, too, before camera paths
-/// have taught it a better one.
-const TRUST: Chances = Chances {
-    field: 0.5,
-    light: 1.0,
-};
-
 impl<'a> Guidance<'a> {
     /// What the field says at a vertex, or nothing where it should not be asked: no smooth lobe, a
     /// lobe too narrow, no light known.
@@ -142,13 +133,13 @@ impl<'a> Guidance<'a> {
             Self::Double(guide) => guide.ask(point, bsdf, wo, throughput)?,
             Self::Gmm(mixtures) => {
                 let mixture = mixtures.at(point.p, facing(point, wo))?;
-                (Local::Gmm(mixture), mixture.irradiance(), TRUST)
+                // Mixtures learn no chances of their own.
+                (Local::Gmm(mixture), mixture.irradiance(), Chances::UNKNOWN)
             }
         };
         Some(GuidedVertex {
             local,
-            fraction: chances.field,
-            light_chance: chances.light,
+            chances,
             reflected: bsdf.albedo() * irradiance * FRAC_1_PI,
         })
     }
@@ -188,7 +179,7 @@ impl GuidedVertex<'_> {
     /// How often to sample a light here.
     #[inline]
     pub fn light_chance(&self) -> f32 {
-        self.light_chance
+        self.chances.light
     }
 
     /// Density of the field alone.
@@ -200,24 +191,24 @@ impl GuidedVertex<'_> {
     /// Density of the BSDF alone, from that of the mixture.
     #[inline]
     pub fn bsdf_pdf(&self, mixture: f32, field: f32) -> f32 {
-        ((mixture - self.fraction * field) / (1.0 - self.fraction)).max(0.0)
+        ((mixture - self.chances.field * field) / (1.0 - self.chances.field)).max(0.0)
     }
 
     /// Density of the mixture for a direction to which the BSDF gives `bsdf_pdf`.
     #[inline]
     pub fn pdf(&self, wi: Vec3, bsdf_pdf: f32) -> f32 {
-        self.fraction * self.local.pdf(wi) + (1.0 - self.fraction) * bsdf_pdf
+        self.chances.field * self.local.pdf(wi) + (1.0 - self.chances.field) * bsdf_pdf
     }
 
     /// Draws a direction from the mixture. `u` are four uniform numbers.
     #[inline]
     pub fn sample(&self, bsdf: &Bsdf, wo: Vec3, u: [f32; 4]) -> Option<BsdfSample> {
-        if u[0] < self.fraction {
-            let select = Vec2::new(u[0] / self.fraction, u[3]);
+        if u[0] < self.chances.field {
+            let select = Vec2::new(u[0] / self.chances.field, u[3]);
             return self.sample_field(bsdf, wo, select, Vec2::new(u[1], u[2]));
         }
-        let share = 1.0 - self.fraction;
-        let u_lobe = ((u[0] - self.fraction) / share).min(BELOW_ONE);
+        let share = 1.0 - self.chances.field;
+        let u_lobe = ((u[0] - self.chances.field) / share).min(BELOW_ONE);
         let mut sample = bsdf.sample(wo, u_lobe, Vec2::new(u[1], u[2]), Transport::Radiance)?;
         if sample.lobe.has(LobeFlags::DELTA) {
             sample.weight /= share;
@@ -236,7 +227,7 @@ impl GuidedVertex<'_> {
         if value == Rgb::ZERO {
             return None;
         }
-        let pdf = self.fraction * drawn.pdf + (1.0 - self.fraction) * bsdf_pdf;
+        let pdf = self.chances.field * drawn.pdf + (1.0 - self.chances.field) * bsdf_pdf;
         // Guided directions cross no interface that would scale the throughput's eta: a transmitted
         // direction of a rough interface keeps roulette a little shorter-lived, which is unbiased.
         Some(BsdfSample {

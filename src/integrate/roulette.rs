@@ -38,8 +38,7 @@ pub fn standing(path: &Path) -> f32 {
 
 /// Chance to go on by throughput, relative to what the field let the path have when it aimed it last. A
 /// path that was sent through glass towards the sun has a throughput of a thousandth: to end it there
-/// unless it is lucky would undo the aiming (veach-ajar has no glass; a torus in glass under a small sun has
-/// half the variance since).
+/// unless it is lucky would undo the aiming. Guarded by `roulette_spares_what_the_field_aimed_through_glass`.
 #[inline]
 pub fn by_throughput(path: &Path) -> f32 {
     (standing(path) / path.aimed_with).min(MAX_SURVIVAL)
