@@ -146,13 +146,14 @@ fn learned_random_and_foreign_fields_give_the_unguided_mean() {
         &room.render_guided(&path, 256, Some(&paths)).0,
         &plain,
     );
-    agree(
-        "random",
-        &room
-            .render_guided(&path, 1024, Some(&garbage(&room.scene, 9)))
-            .0,
-        &plain,
-    );
+    for model in ModelKind::ALL {
+        let field = garbage(&room.scene, *model, 9);
+        agree(
+            &format!("random {model:?}"),
+            &room.render_guided(&path, 1024, Some(&field)).0,
+            &plain,
+        );
+    }
 
     let far = Field::random(
         Vec3::splat(100.0),

@@ -245,6 +245,8 @@ pub enum GuideModel {
     Constant,
     /// A mixture of von Mises-Fisher lobes with parallax: for lights that are small, or little memory
     Vmf,
+    /// A mixture of eight Gaussians: learns from fewer records, ahead where light is narrow and moves
+    Gauss,
 }
 
 /// Which records teach a field.

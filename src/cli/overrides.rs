@@ -212,6 +212,7 @@ pub fn learn_settings(
         model: match args.guide_model {
             GuideModel::Constant => ModelKind::Constant,
             GuideModel::Vmf => ModelKind::Vmf,
+            GuideModel::Gauss => ModelKind::Gauss,
         },
         mixture: None,
     })

@@ -3,12 +3,15 @@
 //! A split's children know their share of the flux but not how it is spread inside them, so a round
 //! can only go one level deeper. The trainer therefore keeps the records of the last batch, each with
 //! its place in P. After a round, those whose link was divided go on down from there and fill the
-//! tables of the new links, counting nothing twice, and the next round can look at these links.
+//! tables of the new links, counting nothing twice, and the next round can look at these links. At last
+//! mixtures are fitted to the batch as the links have come to divide it.
 
 use super::links::{Place, step};
+use super::model::Look;
 use super::record::{Deposit, Origin};
 use super::refine::Refined;
 use super::train::Trainer;
+use crate::math::sum::SumUnit;
 use rayon::prelude::*;
 
 /// Most records that are kept, some 70 bytes each. Of a larger batch the first ones have to speak for
@@ -58,11 +61,13 @@ impl Trainer {
     /// counted again; they only tell new links how their share is spread. Then they are forgotten. A
     /// batch of records that do not decide about splits (see [`super::Source`]) gets one round.
     pub fn refine_rounds(&mut self, rounds: u32) -> Refined {
-        let mut sum = self.refine();
         let mut recent = std::mem::take(&mut self.recent);
         let Some(origin) = recent.origin.filter(|o| self.origins().contains(o)) else {
-            return sum;
+            return self.refine();
         };
+        self.intakes.rounds += 1;
+        self.refit();
+        let mut sum = self.divide(None);
         let mut last = sum;
         for round in 1..=rounds {
             if last.space + last.direction == 0 {
@@ -79,7 +84,33 @@ impl Trainer {
             sum.refused = last.refused;
             sum.gain += last.gain;
         }
+        self.iterate(&mut recent, origin);
+        self.stats.settle();
         sum
+    }
+
+    /// Fits models to the batch on the links as they are now: from the parameters as they were, each time it
+    /// is found anew which record belongs to what, and the best parameters for that are taken.
+    fn iterate(&mut self, recent: &mut Recent, origin: Origin) {
+        let (iterations, Some(unit)) = (self.traits.iterations, self.unit(origin)) else {
+            return;
+        };
+        if iterations == 0 {
+            return;
+        }
+        let order = self.descend(&recent.deposits, &mut recent.places, true);
+        for _ in 0..iterations {
+            self.stats.clear();
+            self.add_up(&recent.deposits, &order, (unit, origin), Look::Models);
+            self.refit();
+        }
+    }
+
+    fn unit(&self, origin: Origin) -> Option<SumUnit> {
+        match origin {
+            Origin::Photon => self.photon_unit,
+            Origin::Path => self.path_unit,
+        }
     }
 
     /// Fills the tables of links made since, and returns these links.
@@ -97,15 +128,11 @@ impl Trainer {
                 node.visits[octant as usize] += 1;
             }
         }
-        let unit = match origin {
-            Origin::Photon => self.photon_unit,
-            Origin::Path => self.path_unit,
-        };
-        let Some(unit) = unit else {
+        let Some(unit) = self.unit(origin) else {
             return Vec::new();
         };
         let order = self.descend(&recent.deposits, &mut recent.places, false);
-        self.add_up(&recent.deposits, &order, (unit, origin), true);
+        self.add_up(&recent.deposits, &order, (unit, origin), Look::Tables);
         let links = order.chunk_by(|a, b| a >> 32 == b >> 32);
         links.map(|run| (run[0] >> 32) as u32).collect()
     }

@@ -117,6 +117,7 @@ impl Trainer {
     pub fn refine(&mut self) -> Refined {
         self.intakes.rounds += 1;
         self.refit();
+        self.stats.settle();
         self.divide(None)
     }
 

@@ -92,10 +92,27 @@ impl Grid {
 /// from a boundary: walls along the axes would otherwise flip by rounding.
 #[inline]
 fn normal_octant(n: Vec3) -> u64 {
-    let a = 2.0 * n.x + n.y - 2.0 * n.z;
-    let b = 2.0 * n.x - 2.0 * n.y + n.z;
-    let c = n.x + 2.0 * n.y + 2.0 * n.z;
-    u64::from(a < 0.0) | (u64::from(b < 0.0) << 1) | (u64::from(c < 0.0) << 2)
+    let below = |axis: usize| u64::from(OCTANT_AXES[axis].dot(n) < 0.0) << axis;
+    below(0) | below(1) | below(2)
+}
+
+/// The frame's axes, three units long.
+const OCTANT_AXES: [Vec3; 3] = [
+    Vec3::new(2.0, 1.0, -2.0),
+    Vec3::new(2.0, -2.0, 1.0),
+    Vec3::new(1.0, 2.0, 2.0),
+];
+
+/// The unit vector in the middle of an octant of normals.
+fn octant_middle(octant: u64) -> Vec3 {
+    let signed = |i: usize| {
+        if octant >> i & 1 == 0 {
+            OCTANT_AXES[i]
+        } else {
+            -OCTANT_AXES[i]
+        }
+    };
+    (signed(0) + signed(1) + signed(2)).normalize()
 }
 
 #[inline]
@@ -273,6 +290,16 @@ impl Space {
     /// How many leaves there are: a division makes seven more.
     pub fn leaf_count(&self) -> usize {
         1 + self.nodes.len() / 8 * 7
+    }
+
+    /// The middle of the octant that the normals of a node point into; z for the root, and where normals are
+    /// not told apart.
+    pub fn side(&self, node: u32) -> Vec3 {
+        let node = &self.nodes[node as usize];
+        if self.grid.normal_levels() == 0 || node.level == 0 {
+            return Vec3::Z;
+        }
+        octant_middle(node.prefix >> (3 * AXIS_BITS))
     }
 
     pub fn centre(&self, node: u32) -> Vec3 {

@@ -2,13 +2,14 @@
 
 use super::again::{Recent, Vertex};
 use super::links::{Link, Place, Product, Split};
-use super::model::{Batch, Region, StatSet, Traits};
+use super::model::{Batch, Look, Region, StatSet, Traits};
 use super::record::{
     Deposit, Dropped, Intake, Origin, PathSample, Photon, SurfacePoint, batch_unit,
 };
 use super::settings::{GuideError, Settings, Source};
 use super::space::{Grid, Space};
 use super::tally::{Table, Tally, apportion};
+use crate::math::Frame;
 use crate::math::sum::SumUnit;
 use rayon::prelude::*;
 
@@ -205,20 +206,19 @@ impl Trainer {
         }
         let mut places = vec![Place::ROOT; usable.len()];
         let order = self.descend(&usable, &mut places, true);
-        self.add_up(&usable, &order, (unit, origin), false);
+        self.add_up(&usable, &order, (unit, origin), Look::First);
         let count = usable.len() as u64;
         self.recent.keep(usable, places);
         count
     }
 
-    /// Adds records to their links, in the `order` that [`Trainer::descend`] gave. Records that were
-    /// counted before (`again`) only fill tables.
+    /// Adds records to their links, in the `order` that [`Trainer::descend`] gave.
     pub(crate) fn add_up(
         &mut self,
         deposits: &[Deposit],
         order: &[u64],
         (unit, origin): (SumUnit, Origin),
-        again: bool,
+        look: Look,
     ) {
         let (product, space) = (&self.product, &self.space);
         let batch = Batch {
@@ -231,8 +231,7 @@ impl Trainer {
             },
             unit,
             origin,
-            models: true,
-            again,
+            look,
         };
         self.stats
             .accumulate(&batch, order, &mut self.tallies, &mut self.table);
@@ -352,6 +351,7 @@ pub(crate) const SPACE_BYTES: usize =
 pub(crate) fn region(space: &Space, link: &Link) -> Region {
     Region {
         centre: space.centre(link.r),
+        side: Frame::new(space.side(link.r)),
     }
 }
 

@@ -312,14 +312,9 @@ pub(super) fn trace_batch(
 }
 
 /// A field of noise over the scene's bounds: for tests that show that no field can change the mean.
-pub fn garbage(scene: &Scene, seed: u64) -> Guide {
+pub fn garbage(scene: &Scene, model: ModelKind, seed: u64) -> Guide {
     let bounds = scene.rays.bounds();
-    let field = Field::random(
-        bounds.min,
-        bounds.max,
-        crate::guide::ModelKind::default(),
-        seed,
-    );
+    let field = Field::random(bounds.min, bounds.max, model, seed);
     Guide {
         fractions: Fractions::random(&field, seed),
         field,

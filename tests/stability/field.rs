@@ -4,7 +4,7 @@
 use crate::scenes::*;
 use crate::table::Table;
 use twintree::accel::Backend;
-use twintree::guide::{Field, LocalField, Photon, Settings, Trainer};
+use twintree::guide::{Field, LocalField, ModelKind, Photon, Settings, Trainer};
 use twintree::integrate::guiding::Guide;
 use twintree::integrate::learn::garbage;
 use twintree::math::equal_area::{DirectionCell, direction_code, square_to_sphere};
@@ -279,7 +279,7 @@ fn s18_hostile_fields_keep_the_mean() {
             3,
         );
         for (what, guide) in [
-            ("garbage", garbage(&built.scene, 9)),
+            ("garbage", garbage(&built.scene, ModelKind::default(), 9)),
             ("elsewhere", Guide::new(elsewhere)),
             ("one photon", one_link()),
             ("empty", empty()),

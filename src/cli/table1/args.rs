@@ -33,7 +33,7 @@ pub struct Table1Args {
         long = "method",
         value_name = "NAMES",
         value_delimiter = ',',
-        default_value = "none,gmm,double,double-vmf",
+        default_value = "none,gmm,double,double-vmf,double-gauss",
         help_heading = "Guiding"
     )]
     pub methods: Vec<Method>,
@@ -88,6 +88,8 @@ pub enum Method {
     Double,
     /// The double hierarchy with von Mises-Fisher lobes
     DoubleVmf,
+    /// The double hierarchy with Gaussian mixtures
+    DoubleGauss,
 }
 
 impl Method {
@@ -98,6 +100,7 @@ impl Method {
             Self::Gmm => "gmm",
             Self::Double => "double",
             Self::DoubleVmf => "double-vmf",
+            Self::DoubleGauss => "double-gauss",
         }
     }
 }

@@ -195,6 +195,7 @@ impl Subject {
             }
             Method::Double => ModelKind::Constant,
             Method::DoubleVmf => ModelKind::Vmf,
+            Method::DoubleGauss => ModelKind::Gauss,
         };
         let how = self.learning(&settings, DOUBLING_BATCHES, model);
         let learner = Learner::new(&view, &how)?;

@@ -2,21 +2,17 @@
 //!
 //! The sufficient statistics of lobe j are means over photons of g, g x and g x x^T, where x is the photon's
 //! place in the square and g its weight times the lobe's responsibility. A step of n photons moves them by
-//! a rate: u <- (1 - eta) u + eta u_step. The mixture is then the maximum a posteriori under a Dirichlet
-//! prior (v) on the weights and a normal-inverse-Wishart prior (a, b) on the covariances, which fades as
-//! 1/n with the photons seen.
+//! a rate: u <- (1 - eta) u + eta u_step. The mixture is then the maximum a posteriori (see [`maximise`]).
 
-use super::lanes::{LOBES, Lanes};
+use crate::guide::gaussian::{LOBES, Lanes, Lobe, Prior, Statistics, maximise};
 use crate::math::rng::{hash64, unit_f32};
 use crate::math::{Pcg32, Vec2};
-use std::f32::consts::TAU;
 
-/// The priors: the paper's values.
-const PRIOR_A: f64 = 2.01;
-const PRIOR_B: f64 = 5e-4;
-const PRIOR_V: f64 = 1.01;
-/// Smallest variance along an axis of the square: half a degree.
-const LEAST_VARIANCE: f64 = 1e-5;
+/// The paper's b, and half a degree.
+const PRIOR: Prior = Prior {
+    spread: 5e-4,
+    least_variance: 1e-5,
+};
 /// Keeps a photon that all lobes find impossible from being lost.
 const TRACE: f32 = 1e-12;
 /// Iterations over the first photons.
@@ -30,34 +26,6 @@ pub struct Sample {
     /// Its weight, above 0.
     pub weight: f32,
 }
-
-/// A weighted Gaussian over the plane.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Lobe {
-    /// Its share of the mixture.
-    pub weight: f32,
-    /// Its mean.
-    pub mean: Vec2,
-    /// Its covariance: xx, xy, yy.
-    pub covariance: [f32; 3],
-}
-
-impl Lobe {
-    /// The inverse of the covariance's Cholesky factor, `[a, b, d]` for the rows (a 0) and (b d); `None` unless
-    /// the covariance is positive definite.
-    pub(super) fn inverse_cholesky(&self) -> Option<[f32; 3]> {
-        let [xx, xy, yy] = self.covariance.map(f64::from);
-        let l11 = xx.sqrt();
-        let l21 = xy / l11;
-        let l22 = (yy - l21 * l21).sqrt();
-        let usable = l11 > 0.0 && l22 > 0.0 && (l11 + l22 + l21).is_finite();
-        let found = [1.0 / l11, -l21 / (l11 * l22), 1.0 / l22].map(|v| v as f32);
-        (usable && self.mean.is_finite()).then_some(found)
-    }
-}
-
-/// Per lobe: sums or means of g, g x, g y, g xx, g xy, g yy.
-type Statistics = [[f64; 6]; LOBES];
 
 /// A mixture that learns.
 #[derive(Clone, Debug, PartialEq)]
@@ -131,7 +99,7 @@ impl Learning {
 
     /// Means over photons under the responsibilities of the lobes as they are.
     fn expect(&self, samples: &[Sample]) -> Statistics {
-        let lanes = lanes(&self.lobes);
+        let lanes = Lanes::unbounded(&self.lobes);
         // Offsets from the lobes' means keep f32 exact enough for narrow lobes.
         let mut sums = [[0f32; LOBES]; 6];
         for s in samples {
@@ -170,46 +138,9 @@ impl Learning {
 
     /// The most likely mixture for the statistics.
     fn maximise(&mut self) {
-        let total: f64 = self.statistics.iter().map(|s| s[0]).sum();
-        let n = self.effective_count().max(1.0);
-        if !(total > 0.0 && total.is_finite()) {
-            return;
-        }
-        let v = (PRIOR_V - 1.0) / n;
-        for (lobe, s) in self.lobes.iter_mut().zip(&self.statistics) {
-            let share = s[0] / total;
-            lobe.weight = ((share + v) / (1.0 + LOBES as f64 * v)) as f32;
-            if share <= 1e-12 {
-                continue;
-            }
-            let (mx, my) = (s[1] / s[0], s[2] / s[0]);
-            let below = (PRIOR_A - 2.0) / n + share;
-            let variance = |second: f64, square: f64, prior: f64| {
-                (prior + (second - s[0] * square) / total) / below
-            };
-            let xx = variance(s[3], mx * mx, PRIOR_B / n).max(LEAST_VARIANCE);
-            let yy = variance(s[5], my * my, PRIOR_B / n).max(LEAST_VARIANCE);
-            // Rounding must not carry the correlation beyond 1.
-            let most = 0.999 * (xx * yy).sqrt();
-            let xy = variance(s[4], mx * my, 0.0).clamp(-most, most);
-            lobe.mean = Vec2::new(mx as f32, my as f32);
-            lobe.covariance = [xx, xy, yy].map(|v| v as f32);
-        }
+        let n = self.effective_count();
+        maximise(&mut self.lobes, &self.statistics, n, &PRIOR);
     }
-}
-
-/// The Gaussians without regard to the square's borders.
-fn lanes(lobes: &[Lobe; LOBES]) -> Lanes {
-    let mut lanes = Lanes::default();
-    for (j, lobe) in lobes.iter().enumerate() {
-        let Some([a, b, d]) = lobe.inverse_cholesky() else {
-            continue;
-        };
-        (lanes.x[j], lanes.y[j]) = (lobe.mean.x, lobe.mean.y);
-        (lanes.a[j], lanes.b[j], lanes.d[j]) = (a, b, d);
-        lanes.scale[j] = lobe.weight * a * d / TAU;
-    }
-    lanes
 }
 
 /// Statistics to start from: photons chosen as by k-means++ (Arthur and Vassilvitskii 2007), far from each

@@ -1,12 +1,10 @@
 //! The frozen field: which record serves a point, and what it says.
 
-use super::em::Lobe;
-use super::lanes::LOBES;
-use super::mixture::Mixture;
 use super::near::Tree;
 use super::place::Place;
 use super::square;
 use crate::guide::GuideSample;
+use crate::guide::gaussian::{Domain, LOBES, Lobe, Mixture};
 use crate::math::{Frame, Pcg32, Rgb, Vec2, Vec3, warp::uniform_sphere};
 
 /// A record is asked this many of its radii away at most.
@@ -137,7 +135,11 @@ impl Mixtures {
                 radius: 0.2 * (max - min).length(),
             };
             let irradiance = Rgb::new(next(), next(), next());
-            (place, irradiance, Mixture::new(&lobes, 0.01))
+            (
+                place,
+                irradiance,
+                Mixture::new(&lobes, 0.01, Domain::Square),
+            )
         });
         Self::new(known.collect())
     }

@@ -33,19 +33,15 @@
 mod cover;
 mod em;
 mod field;
-mod lanes;
-mod mass;
-mod mixture;
 mod near;
 mod place;
 mod record;
 mod square;
 mod train;
 
-pub use em::{Lobe, Sample, fit};
+pub use super::gaussian::{LOBES, Lobe, Mixture};
+pub use em::{Sample, fit};
 pub use field::{LocalMixture, Mixtures};
-pub use lanes::LOBES;
-pub use mixture::Mixture;
 pub use train::GmmTrainer;
 
 use super::settings::GuideError;

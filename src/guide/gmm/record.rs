@@ -2,10 +2,10 @@
 
 use super::Settings;
 use super::em::{Learning, Sample};
-use super::mixture::Mixture;
 use super::place::{Place, SAME_SIDE};
 use super::square;
 use crate::guide::Photon;
+use crate::guide::gaussian::{Domain, Mixture};
 use crate::guide::record::weight;
 use crate::math::{Frame, Rgb, Vec3};
 use std::f64::consts::PI;
@@ -108,7 +108,7 @@ impl Record {
         let learning = all.learning?;
         let doubt = DOUBT / (DOUBT + learning.effective_count());
         let uniform = (doubt as f32).max(settings.defensive);
-        Some(Mixture::new(learning.lobes(), uniform))
+        Some(Mixture::new(learning.lobes(), uniform, Domain::Square))
     }
 
     /// Incident flux per area, in W/m^2, after `emitted` photons.

@@ -3,7 +3,7 @@
 
 use super::{LocalModel, Query, Region};
 use crate::guide::bytes::{Reader, Writer};
-use crate::guide::record::Deposit;
+use crate::guide::record::{Deposit, Origin};
 use crate::guide::tally::Table;
 use crate::math::equal_area::DirectionCell;
 use crate::math::{Vec2, Vec3};
@@ -18,11 +18,13 @@ impl LocalModel for Constant {
     const TABLE_LEVELS: u8 = 1;
     const SPLITS_DIRECTIONS: bool = true;
     const SPLIT_RECORDS: u32 = 1;
+    const ITERATIONS: u32 = 0;
     type Stats = ();
     type Frozen = ();
 
-    fn train(_: &mut (), _: &Region, _: &Deposit) {}
+    fn train(_: &mut (), _: &Region, _: &Deposit, _: Origin) {}
     fn refit(_: &mut (), _: &Region, _: &Table) {}
+    fn settle(_: &mut ()) {}
     fn split(_: &(), _: &Region, _: &Region) {}
     fn merge(_: &mut (), _: &()) -> bool {
         true

@@ -5,13 +5,20 @@
 //! keeps that as RGB for every model alike. Model statistics are integers while records come in, so
 //! that they add exactly; floating point enters in [`LocalModel::refit`], once a link and round.
 //!
+//! Mixtures are fitted by expectation maximisation, which wants several looks at the same records: after a
+//! batch they are shown to the models again and again, [`LocalModel::ITERATIONS`] times, and only what the
+//! last look found is kept.
+//!
 //! A new model is a file with an implementation of [`LocalModel`] and one line in [`local_models!`].
 
 mod constant;
+mod gauss;
 mod lobe;
+mod moments;
 mod vmf;
 
 pub(crate) use constant::Constant;
+pub(crate) use gauss::Gauss;
 pub(crate) use vmf::Vmf;
 
 use super::bytes::{Reader, Writer};
@@ -21,7 +28,8 @@ use super::settings::Product;
 use super::tally::{Table, Tally, add_to_table};
 use crate::math::equal_area::{CODE_LEVELS, DirectionCell};
 use crate::math::sum::SumUnit;
-use crate::math::{Vec2, Vec3};
+use crate::math::{Frame, Vec2, Vec3};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// The link a model lives on, as far as models care.
@@ -29,6 +37,8 @@ use serde::{Deserialize, Serialize};
 pub(crate) struct Region {
     /// Centre of its cell of R: models with parallax aim from here.
     pub centre: Vec3,
+    /// The middle of the octant that its normals point into, or z where R does not tell them apart.
+    pub side: Frame,
 }
 
 /// Where and how a model is asked.
@@ -52,21 +62,25 @@ pub(crate) trait LocalModel {
     const SPLITS_DIRECTIONS: bool;
     /// Records a link must have seen before it is divided, if the settings ask for fewer.
     const SPLIT_RECORDS: u32;
+    /// How often the last batch is shown again after refining.
+    const ITERATIONS: u32;
     /// Training state.
     type Stats: Clone + Default + PartialEq + Send + Sync + std::fmt::Debug;
     /// Compact form for sampling.
     type Frozen: Clone + Send + Sync + std::fmt::Debug;
 
     /// Adds a record, by integers only.
-    fn train(stats: &mut Self::Stats, region: &Region, deposit: &Deposit);
-    /// Takes what was added since the last call into the model's parameters.
+    fn train(stats: &mut Self::Stats, region: &Region, deposit: &Deposit, origin: Origin);
+    /// The parameters that fit best what is remembered and what was added since.
     fn refit(stats: &mut Self::Stats, region: &Region, table: &Table);
+    /// Remembers what was added.
+    fn settle(stats: &mut Self::Stats);
     /// The state a child starts with.
     fn split(parent: &Self::Stats, from: &Region, to: &Region) -> Self::Stats;
-    /// Adds what another copy of this model was trained with since their last common refit; false if
-    /// the two were refitted apart.
+    /// Adds what another copy of this model was trained with since both last settled; false if they did so
+    /// apart.
     fn merge(into: &mut Self::Stats, other: &Self::Stats) -> bool;
-    /// Forgets what was added since the last refit; the parameters stay.
+    /// Forgets what was added and not remembered yet; the parameters stay.
     fn clear(stats: &mut Self::Stats);
     /// The model for sampling.
     fn freeze(stats: &Self::Stats, region: &Region) -> Self::Frozen;
@@ -88,6 +102,7 @@ pub(crate) struct Traits {
     pub splits_directions: bool,
     pub stats_bytes: usize,
     pub split_records: u32,
+    pub iterations: u32,
 }
 
 /// Where a chunk of sorted records goes: consecutive links from number `first` on.
@@ -106,10 +121,18 @@ pub(crate) struct Batch<'a> {
     pub octant: &'a (dyn Fn(&Link, u64) -> u32 + Sync),
     pub unit: SumUnit,
     pub origin: Origin,
-    /// Whether these records train the models (they do not where another origin does).
-    pub models: bool,
-    /// The records have been counted before: they only fill tables.
-    pub again: bool,
+    pub look: Look,
+}
+
+/// What records are shown for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Look {
+    /// They are new: they are counted, and fill tables and models.
+    First,
+    /// They have been counted before, but new links have not: they only fill tables.
+    Tables,
+    /// Another iteration of fitting: they only train models.
+    Models,
 }
 
 /// Adds the records `order` (link number in the upper half, record in the lower; sorted) to their
@@ -162,10 +185,16 @@ fn accumulate_chunk<M: LocalModel>(batch: &Batch, order: &[u64], slots: Slots<M:
         let down = 2 * u32::from(CODE_LEVELS - link.q.level() - M::TABLE_LEVELS);
         for o in run {
             let d = &batch.deposits[*o as u32 as usize];
+            if batch.look != Look::Tables {
+                M::train(&mut slots.stats[i], &region, d, batch.origin);
+            }
+            if batch.look == Look::Models {
+                continue;
+            }
             let cell = (batch.octant)(link, d.key) as usize * fine
                 + ((d.code >> down) as usize & (fine - 1));
-            if batch.again {
-                add_to_table(tally, table, cell, batch.origin, d);
+            add_to_table(tally, table, cell, batch.origin, d);
+            if batch.look == Look::Tables {
                 continue;
             }
             match batch.origin {
@@ -173,10 +202,6 @@ fn accumulate_chunk<M: LocalModel>(batch: &Batch, order: &[u64], slots: Slots<M:
                 Origin::Path => tally.paths.add(batch.unit, d.value),
             }
             tally.count[batch.origin as usize] += 1;
-            add_to_table(tally, table, cell, batch.origin, d);
-            if batch.models {
-                M::train(&mut slots.stats[i], &region, d);
-            }
         }
     }
 }
@@ -246,8 +271,8 @@ macro_rules! local_models {
             }
             pub fn freeze(&self, links: &[u32], regions: &(dyn Fn(u32) -> Region + Sync)) -> FrozenSet {
                 match self {
-                    Self::$first(s) => FrozenSet::$first(links.iter().map(|&l| <$first_model>::freeze(&s[l as usize], &regions(l))).collect())
-                    $(, Self::$kind(s) => FrozenSet::$kind(links.iter().map(|&l| <$model>::freeze(&s[l as usize], &regions(l))).collect()))*
+                    Self::$first(s) => FrozenSet::$first(links.par_iter().map(|&l| <$first_model>::freeze(&s[l as usize], &regions(l))).collect())
+                    $(, Self::$kind(s) => FrozenSet::$kind(links.par_iter().map(|&l| <$model>::freeze(&s[l as usize], &regions(l))).collect()))*
                 }
             }
             pub fn write(&self, link: u32, out: &mut Writer) {
@@ -263,11 +288,18 @@ macro_rules! local_models {
                     $(, ModelKind::$kind => read::<$model>(links, input).map(Self::$kind))*
                 }
             }
-            /// Forgets what was trained since the last refit.
+            /// Remembers what was trained.
+            pub fn settle(&mut self) {
+                match self {
+                    Self::$first(s) => s.par_iter_mut().for_each(<$first_model>::settle)
+                    $(, Self::$kind(s) => s.par_iter_mut().for_each(<$model>::settle))*
+                }
+            }
+            /// Forgets what was trained and not settled.
             pub fn clear(&mut self) {
                 match self {
-                    Self::$first(s) => s.iter_mut().for_each(<$first_model>::clear)
-                    $(, Self::$kind(s) => s.iter_mut().for_each(<$model>::clear))*
+                    Self::$first(s) => s.par_iter_mut().for_each(<$first_model>::clear)
+                    $(, Self::$kind(s) => s.par_iter_mut().for_each(<$model>::clear))*
                 }
             }
         }
@@ -309,6 +341,8 @@ local_models! {
     Constant => Constant,
     /// A mixture of von Mises-Fisher lobes over the whole sphere, one a cell of R, with parallax.
     Vmf => Vmf,
+    /// A mixture of Gaussians over an equal-area map of the sphere, one a cell of R.
+    Gauss => Gauss,
 }
 
 fn traits<M: LocalModel>() -> Traits {
@@ -318,6 +352,7 @@ fn traits<M: LocalModel>() -> Traits {
         splits_directions: M::SPLITS_DIRECTIONS,
         stats_bytes: size_of::<M::Stats>(),
         split_records: M::SPLIT_RECORDS,
+        iterations: M::ITERATIONS,
     }
 }
 
@@ -346,7 +381,6 @@ fn refit<M: LocalModel>(
     regions: &(dyn Fn(u32) -> Region + Sync),
     table: &[u32],
 ) {
-    use rayon::prelude::*;
     if size_of::<M::Stats>() == 0 {
         return;
     }

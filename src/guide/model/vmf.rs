@@ -3,14 +3,14 @@
 //! re-aims it from the cell's centre to the shading point.
 //!
 //! Training is stepwise EM. While records come in, the parameters stay fixed and only responsibilities
-//! are added up, as integers, so that shards add exactly; [`Vmf::refit`] then takes one M-step, in
+//! are added up, as integers, so that shards add exactly; [`Vmf::refit`] then takes an M-step, in
 //! which older batches count by [`MEMORY`]. Lobes start at the heaviest of 16 direction cells of the
 //! first batch.
 
 use super::lobe::{Lobe, Sums};
 use super::{LocalModel, Query, Region};
 use crate::guide::bytes::{Reader, Writer};
-use crate::guide::record::Deposit;
+use crate::guide::record::{Deposit, Origin};
 use crate::guide::settings::Product;
 use crate::guide::tally::Table;
 use crate::math::equal_area::{CODE_LEVELS, DirectionCell};
@@ -20,11 +20,11 @@ use crate::math::{DVec3, Vec2, Vec3};
 const LOBES: usize = 8;
 /// How much of the statistics of earlier batches a refit keeps.
 const MEMORY: f64 = 0.5;
-/// Weight of new records, in units, below which a refit waits for more.
+/// Weight of new records, in units, below which earlier batches count in full.
 const ENOUGH: f64 = 128.0;
 /// A cell of eight lobes with parallax explains a lot of space, but not all: on veach-ajar, 320 wide at
 /// 64 samples, the relative error is 0.338 with 16 000 records, 0.220 with 4000 and 0.171 with 1000
-/// (`twintree render --guide double --guide-model vmf --reference R.exr`). `constant` has 0.148.
+/// (`twintree render --guide double --guide-model vmf --reference R.exr`; with one look at a batch). `constant` has 0.148.
 const SPLIT_RECORDS: u32 = 1000;
 /// Quanta a unit in the integer sums.
 const QUANTA: f64 = (1u64 << 20) as f64;
@@ -52,11 +52,25 @@ impl VmfStats {
         self.lobes.iter().any(|l| l.weight > 0.0)
     }
 
-    fn fit(&mut self) {
-        let total: f64 = self.sums.iter().map(|s| s.weight).sum();
-        for (lobe, s) in self.lobes.iter_mut().zip(&self.sums) {
+    fn fit(&mut self, sums: &[Sums; LOBES]) {
+        let total: f64 = sums.iter().map(|s| s.weight).sum();
+        for (lobe, s) in self.lobes.iter_mut().zip(sums) {
             *lobe = Lobe::fit(s, total);
         }
+    }
+
+    /// What is remembered, and what was added since; earlier batches count less once there is enough.
+    fn known(&self) -> [Sums; LOBES] {
+        let fresh: f64 = self.fresh.iter().map(|f| f[0] as f64).sum();
+        let keep = if fresh < ENOUGH * QUANTA { 1.0 } else { MEMORY };
+        let mut sums = self.sums;
+        for (s, f) in sums.iter_mut().zip(&self.fresh) {
+            let f = f.map(|q| q as f64 / QUANTA);
+            s.weight = s.weight * keep + f[0];
+            s.direction = s.direction * keep + DVec3::new(f[1], f[2], f[3]);
+            s.inverse_distance = s.inverse_distance * keep + f[4];
+        }
+        sums
     }
 }
 
@@ -93,10 +107,11 @@ impl LocalModel for Vmf {
     const TABLE_LEVELS: u8 = 2;
     const SPLITS_DIRECTIONS: bool = false;
     const SPLIT_RECORDS: u32 = SPLIT_RECORDS;
+    const ITERATIONS: u32 = 4;
     type Stats = VmfStats;
     type Frozen = Mixture;
 
-    fn train(stats: &mut VmfStats, region: &Region, d: &Deposit) {
+    fn train(stats: &mut VmfStats, region: &Region, d: &Deposit, _: Origin) {
         if !stats.is_started() || d.units <= 0.0 {
             return;
         }
@@ -136,20 +151,16 @@ impl LocalModel for Vmf {
     fn refit(stats: &mut VmfStats, _: &Region, table: &Table) {
         if !stats.is_started() {
             stats.sums = initial_sums(&table.by_direction());
-            stats.fit();
+            stats.fit(&{ stats.sums });
             return;
         }
-        let fresh: f64 = stats.fresh.iter().map(|f| f[0] as f64).sum();
-        if fresh < ENOUGH * QUANTA {
-            return;
-        }
-        for (s, f) in stats.sums.iter_mut().zip(&mut stats.fresh) {
-            let f = std::mem::take(f).map(|q| q as f64 / QUANTA);
-            s.weight = s.weight * MEMORY + f[0];
-            s.direction = s.direction * MEMORY + DVec3::new(f[1], f[2], f[3]);
-            s.inverse_distance = s.inverse_distance * MEMORY + f[4];
-        }
-        stats.fit();
+        let known = stats.known();
+        stats.fit(&known);
+    }
+
+    fn settle(stats: &mut VmfStats) {
+        stats.sums = stats.known();
+        stats.fresh = Default::default();
     }
 
     fn split(parent: &VmfStats, from: &Region, to: &Region) -> VmfStats {
@@ -163,7 +174,7 @@ impl LocalModel for Vmf {
                 inverse_distance: p.inverse_distance / 8.0 / f64::from(moved.max(1e-6)),
             };
         }
-        child.fit();
+        child.fit(&{ child.sums });
         child
     }
 
@@ -255,7 +266,7 @@ impl LocalModel for Vmf {
         for q in stats.fresh.iter_mut().flatten() {
             *q = input.u64()? as i64;
         }
-        stats.fit();
+        stats.fit(&{ stats.sums });
         Some(stats)
     }
 }

@@ -54,7 +54,11 @@ fn links_of_a_path_cover_the_sphere_and_sum_to_the_normaliser() {
 
 #[test]
 fn densities_integrate_to_one() {
-    for (model, n) in [(ModelKind::Constant, 1 << 20), (ModelKind::Vmf, 1 << 18)] {
+    for (model, n) in [
+        (ModelKind::Constant, 1 << 20),
+        (ModelKind::Vmf, 1 << 18),
+        (ModelKind::Gauss, 1 << 20),
+    ] {
         for product in [Product::None, Product::Horizon, Product::Cosine] {
             let field = random(model, product, 11).freeze();
             let mut rng = Pcg32::new(7, 7);
@@ -138,6 +142,11 @@ fn vmf_samples_match_their_density() {
     chi_square(ModelKind::Vmf, Product::None, 3);
     chi_square(ModelKind::Vmf, Product::Horizon, 4);
     chi_square(ModelKind::Vmf, Product::Cosine, 4);
+}
+
+#[test]
+fn gauss_samples_match_their_density() {
+    chi_square(ModelKind::Gauss, Product::None, 12);
 }
 
 #[test]

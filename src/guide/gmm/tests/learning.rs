@@ -1,6 +1,7 @@
 //! Expectation maximisation and the records around it.
 
 use super::super::{GmmTrainer, LOBES, Lobe, Mixture, Sample, Settings, fit};
+use crate::guide::gaussian::Domain;
 use crate::guide::{Photon, SurfacePoint};
 use crate::math::{Pcg32, Rgb, Vec2, Vec3};
 
@@ -19,7 +20,7 @@ fn known() -> Mixture {
     lobes[0] = lobe(0.5, 0.25, 0.3, 0.004, 0.002, 0.003);
     lobes[1] = lobe(0.3, 0.7, 0.65, 0.001, -0.0005, 0.002);
     lobes[2] = lobe(0.2, 0.3, 0.8, 0.0004, 0.0, 0.0008);
-    Mixture::new(&lobes, 0.001)
+    Mixture::new(&lobes, 0.001, Domain::Square)
 }
 
 /// Kullback and Leibler's divergence of a fit from the truth in nats, over a grid.
@@ -49,7 +50,7 @@ fn a_known_mixture_is_recovered() {
     let mut last = f64::INFINITY;
     for (count, most) in [(200, 0.3), (2000, 0.03), (50_000, 0.006)] {
         let lobes = fit(&samples(count, &mut rng), 192, 0.9, 7).unwrap();
-        let off = divergence(&truth, &Mixture::new(&lobes, 0.001));
+        let off = divergence(&truth, &Mixture::new(&lobes, 0.001, Domain::Square));
         println!("{count} photons: {off:.4} nats");
         assert!(off > -1e-3 && off < most, "{count}: {off}");
         assert!(off < last, "more photons must not teach less: {off} {last}");
@@ -69,7 +70,7 @@ fn weights_count_like_copies() {
             Sample { place, weight }
         })
         .collect();
-    let mixture = Mixture::new(&fit(&samples, 256, 0.9, 1).unwrap(), 0.0);
+    let mixture = Mixture::new(&fit(&samples, 256, 0.9, 1).unwrap(), 0.0, Domain::Square);
     let n = 100_000;
     let right = (0..n).filter(|_| mixture.sample(rng.next_f32(), square(&mut rng)).x > 0.5);
     let share = right.count() as f64 / f64::from(n);

@@ -3,6 +3,7 @@
 use super::super::field::LocalMixture;
 use super::super::square::{DENSITY, to_hemisphere, to_square};
 use super::super::{LOBES, Lobe, Mixture, Mixtures};
+use crate::guide::gaussian::Domain;
 use crate::math::warp::uniform_sphere;
 use crate::math::{Pcg32, Vec2, Vec3};
 
@@ -47,7 +48,7 @@ fn lobes(rng: &mut Pcg32) -> [Lobe; LOBES] {
 fn densities_over_the_square_integrate_to_one() {
     let mut rng = Pcg32::new(3, 4);
     for i in 0..20 {
-        let mixture = Mixture::new(&lobes(&mut rng), 0.01);
+        let mixture = Mixture::new(&lobes(&mut rng), 0.01, Domain::Square);
         // Midpoints: exact to 1e-4 for the narrowest, half a dozen cells wide across the diagonal.
         let n = 1500;
         let sum: f64 = (0..n * n)
@@ -146,7 +147,7 @@ fn a_mixture_without_lobes_is_uniform() {
         mean: Vec2::splat(0.5),
         covariance: [1.0, 2.0, 1.0],
     };
-    let mixture = Mixture::new(&[odd; LOBES], 0.01);
+    let mixture = Mixture::new(&[odd; LOBES], 0.01, Domain::Square);
     assert_eq!(mixture.density(Vec2::splat(0.3)), 1.0);
     assert_eq!(
         mixture.sample(0.9, Vec2::new(0.2, 0.7)),

@@ -1,15 +1,18 @@
 //! Eight Gaussians side by side, laid out for vector instructions.
 
+use super::lobe::Lobe;
+use std::f32::consts::TAU;
+
 /// Gaussians of a mixture: the paper's number.
 pub const LOBES: usize = 8;
 
 /// A number for each lobe.
-pub(super) type Eight = [f32; LOBES];
+pub type Eight = [f32; LOBES];
 
 /// Gaussians over the plane: `scale * exp(-q/2)` with q = (a dx)^2 + (b dx + d dy)^2, the squared length of
 /// the offset from the mean under the inverse Cholesky factor of the covariance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Lanes {
+pub struct Lanes {
     pub scale: Eight,
     pub x: Eight,
     pub y: Eight,
@@ -19,6 +22,20 @@ pub(super) struct Lanes {
 }
 
 impl Lanes {
+    /// The Gaussians without regard to any borders; one without a usable covariance is absent.
+    pub fn unbounded(lobes: &[Lobe; LOBES]) -> Self {
+        let mut lanes = Self::default();
+        for (j, lobe) in lobes.iter().enumerate() {
+            let Some([a, b, d]) = lobe.inverse_cholesky() else {
+                continue;
+            };
+            (lanes.x[j], lanes.y[j]) = (lobe.mean.x, lobe.mean.y);
+            (lanes.a[j], lanes.b[j], lanes.d[j]) = (a, b, d);
+            lanes.scale[j] = lobe.weight * a * d / TAU;
+        }
+        lanes
+    }
+
     /// Each lobe's density at a point.
     #[inline]
     pub fn densities(&self, x: f32, y: f32) -> Eight {
@@ -42,7 +59,7 @@ impl Lanes {
 /// e^x for x <= 0, to 2e-7; 0 below -87. Without a branch, so that loops over it become vector code, and the
 /// same bits on every machine.
 #[inline]
-pub(super) fn exp(x: f32) -> f32 {
+pub fn exp(x: f32) -> f32 {
     /// Adding it leaves the nearest integer in the lowest bits.
     const MAGIC: f32 = 12_582_912.0;
     let x = x.max(-87.0);

@@ -1,0 +1,12 @@
+//! Mixtures of Gaussians over a part of the plane that stands for directions: what the cached mixtures of
+//! [`super::gmm`] and the double hierarchy's own Gaussian model have in common.
+
+mod domain;
+mod lanes;
+mod lobe;
+mod mixture;
+
+pub use domain::Domain;
+pub use lanes::{LOBES, Lanes};
+pub use lobe::{Lobe, Prior, Statistics, maximise};
+pub use mixture::Mixture;
