@@ -35,7 +35,10 @@ fn every_method_has_a_row_of_numbers_that_make_sense() {
     );
     let rows = scene["rows"].as_array().unwrap();
     let names: Vec<&str> = rows.iter().map(|r| r["method"].as_str().unwrap()).collect();
-    assert_eq!(names, ["none", "gmm", "double", "double-vmf"]);
+    assert_eq!(
+        names,
+        ["none", "gmm", "double", "double-vmf", "double-gauss"]
+    );
     for row in rows {
         let of = |key: &str| row[key].as_f64().unwrap_or_else(|| panic!("{key}: {row}"));
         assert!(
@@ -50,11 +53,11 @@ fn every_method_has_a_row_of_numbers_that_make_sense() {
         assert_eq!(of("memory_bytes") > 0.0, learns, "{row}");
         assert_eq!(of("preprocessing_seconds") > 0.0, learns, "{row}");
     }
-    for part in ["scene, 24 x 18", "divided by gmm", "| double-vmf "] {
+    for part in ["scene, 24 x 18", "divided by gmm", "| double-gauss "] {
         assert!(ran.out.contains(part), "{part:?} is missing: {}", ran.out);
     }
     let pictures = std::fs::read_dir(place.path("pictures")).unwrap();
-    assert_eq!(pictures.count(), 5);
+    assert_eq!(pictures.count(), 6);
 }
 
 #[test]
