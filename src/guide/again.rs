@@ -18,6 +18,9 @@ use rayon::prelude::*;
 /// all: they only tell how a known sum is spread.
 const MOST: usize = 1 << 22;
 
+/// Iterations of fitting after the last new lobe.
+const UNDISTURBED: u32 = 2;
+
 /// The records of the last batch.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Recent {
@@ -99,10 +102,13 @@ impl Trainer {
             return;
         }
         let order = self.descend(&recent.deposits, &mut recent.places, true);
-        for _ in 0..iterations {
+        for i in 1..=iterations {
             self.stats.clear();
             self.add_up(&recent.deposits, &order, (unit, origin), Look::Models);
             self.refit();
+            if i + UNDISTURBED <= iterations {
+                self.stats.reseed();
+            }
         }
     }
 

@@ -110,13 +110,15 @@
 //!   and let P divide space alone, also without a gain to be seen where records are plenty (two rooms built
 //!   alike look like one whose halves are equal). Lobes are fitted by expectation maximisation, which looks at
 //!   a batch several times, and a cell starts from its parent's. Relative variance of a sample (64 samples,
-//!   learning from photons and paths), constants against Gaussians: veach-ajar 9.2, 7.0; a kitchen 16.6, 11.8;
-//!   lux-pool 126, 21; a glass caustic 4.7, 4.2; a Cornell box 0.46, 0.42; but a torus in glass under a small
-//!   sun 1.4, 4.3: light that comes from several needles at once, each seen from a part of the cell only. From
+//!   learning from photons and paths), constants against Gaussians: veach-ajar 9.2, 6.8; a kitchen 16.6, 12.7;
+//!   lux-pool 126, 18; a glass caustic 4.7, 3.9; a Cornell box 0.46, 0.42; but a torus in glass under a small
+//!   sun 1.4, 2.0: light that comes from several needles at once, each seen from a part of the cell only. From
 //!   one million photons alone: veach-ajar 16, 10; lux-pool 255, 33; the caustic 6.1, 3.2. Learning takes twice
-//!   as long, and constants are the default. Round lobes have 1.2 to 1.4 times the variance of slanted ones; one look at a batch instead of
-//!   five up to 35 times; to put the least lobe where a record surprises most gains nothing, nor does
-//!   weighing photons and paths by the flux that they find instead of by their number.
+//!   as long, and constants are the default.
+//!   Round lobes have 1.2 to 1.4 times the variance of slanted ones; one look at a batch instead of several up
+//!   to 35 times. A lobe that has become useless is tried at a record chosen by chance: 2.1 against 3.5 in the
+//!   torus, 17 against 21 in lux-pool; at the record that surprises most it gains nothing. Nor does weighing
+//!   photons and paths by the flux that they find instead of by their number.
 //! * **Exact sums.** Fluxes are 128-bit integers in quanta of 2^-60 of a typical photon
 //!   ([`crate::math::sum`]), everything else trained is an integer, too. So the same records
 //!   give the same bits for any number of threads and any cut into batches, and shards

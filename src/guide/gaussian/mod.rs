@@ -10,3 +10,6 @@ pub use domain::Domain;
 pub use lanes::{LOBES, Lanes};
 pub use lobe::{Lobe, Prior, Statistics, maximise};
 pub use mixture::Mixture;
+
+#[cfg(test)]
+mod tests;

@@ -9,7 +9,9 @@
 //! Training is expectation maximisation as in Vorba et al. 2014 (see [`super::super::gmm`]), with two
 //! differences. Parameters stay fixed while records come in and only moments are added up, as integers, so
 //! that shards add exactly; and a new cell starts from its parent's mixture instead of from its first
-//! records. Photons and camera paths each have moments of their own; they are joined by how many records of
+//! records. Lobes that have become useless are tried elsewhere between iterations, at a record chosen by
+//! chance: a needle of light among the sky's is found sooner or later, where lobes that are wide already would
+//! never close in on it. Photons and camera paths each have moments of their own; they are joined by how many records of
 //! equal weight they are worth, because a few paths that met the sun by chance should not speak louder than a
 //! thousand photons.
 
@@ -20,6 +22,7 @@ use crate::guide::gaussian::{Domain, LOBES, Lanes, Lobe, Mixture, Prior, Statist
 use crate::guide::record::{Deposit, Origin, TABLE_QUANTA};
 use crate::guide::tally::Table;
 use crate::math::equal_area::{CODE_LEVELS, DirectionCell};
+use crate::math::rng::{hash64, unit_f32};
 use crate::math::{Frame, Vec2, Vec3};
 
 /// A lobe of a hundred records is half a degree wide at least if they are all in one place, and none is below
@@ -38,6 +41,22 @@ const OCTANTS: f64 = 8.0;
 /// Solid-angle density of a density of 1 over the unit square: the disk of radius 2 has diameter 1 in it.
 const DENSITY: f32 = 1.0 / 16.0;
 
+/// A lobe of less weight is tried elsewhere. (With 0.5 a torus in glass has 1.2 times the variance.)
+const USELESS: f32 = 0.05;
+/// What it is tried as: one degree wide. (Half as wide or five times as heavy is the same.)
+const TRIED: Lobe = Lobe {
+    weight: 0.02,
+    mean: Vec2::ZERO,
+    covariance: [2e-5, 0.0, 2e-5],
+};
+
+/// A record chosen by chance, in proportion to weight: the one with the largest key.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Pick {
+    key: f32,
+    place: Vec2,
+}
+
 /// Training state of a mixture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct GaussStats {
@@ -47,6 +66,8 @@ pub(crate) struct GaussStats {
     lobes: [Lobe; LOBES],
     /// The lobes, ready to be evaluated.
     lanes: Lanes,
+    /// Out of what was added since the last look.
+    pick: Pick,
 }
 
 /// The mixture for sampling.
@@ -107,6 +128,20 @@ impl GaussStats {
         (joined, count)
     }
 
+    /// Keeps a record if it is drawn: of keys -w / ln u, the largest belongs to a record with a probability
+    /// in proportion to w (Efraimidis and Spirakis 2006). The numbers follow from record and mixture, so
+    /// that the order of records does not matter and each look has its own.
+    #[inline]
+    fn draw(&mut self, place: Vec2, units: f32) {
+        let bits = u64::from(place.x.to_bits()) << 32 | u64::from(place.y.to_bits());
+        let look = u64::from(self.lobes[0].mean.x.to_bits()).rotate_left(40);
+        let u = unit_f32(hash64(bits ^ look) as u32);
+        let key = -units / (u + f32::MIN_POSITIVE).ln();
+        if key > self.pick.key {
+            self.pick = Pick { key, place };
+        }
+    }
+
     fn fit(&mut self, statistics: &Statistics, count: f64) {
         maximise(&mut self.lobes, statistics, count, &PRIOR);
         self.lanes = Lanes::unbounded(&self.lobes);
@@ -139,6 +174,7 @@ impl LocalModel for Gauss {
             *p /= total;
         }
         stats.moments[origin as usize].add(place, d.units, &shares);
+        stats.draw(place, d.units);
     }
 
     fn refit(stats: &mut GaussStats, region: &Region, table: &Table) {
@@ -158,13 +194,32 @@ impl LocalModel for Gauss {
         }
     }
 
+    fn reseed(stats: &mut GaussStats) {
+        if stats.pick.key <= 0.0 {
+            return;
+        }
+        let lobes = stats.lobes.iter_mut();
+        let Some(least) = lobes.reduce(|a, b| if b.weight < a.weight { b } else { a }) else {
+            return;
+        };
+        if least.weight < USELESS {
+            *least = Lobe {
+                mean: stats.pick.place,
+                ..TRIED
+            };
+            stats.lanes = Lanes::unbounded(&stats.lobes);
+        }
+    }
+
     fn settle(stats: &mut GaussStats) {
         stats.moments.iter_mut().for_each(Moments::settle);
+        stats.pick = Pick::default();
     }
 
     fn split(parent: &GaussStats, _: &Region, _: &Region) -> GaussStats {
         GaussStats {
             moments: [0, 1].map(|o: usize| parent.moments[o].of_part(OCTANTS)),
+            pick: Pick::default(),
             ..parent.clone()
         }
     }
@@ -177,6 +232,7 @@ impl LocalModel for Gauss {
 
     fn clear(stats: &mut GaussStats) {
         stats.moments.iter_mut().for_each(Moments::clear);
+        stats.pick = Pick::default();
     }
 
     fn freeze(stats: &GaussStats, region: &Region) -> Frozen {
@@ -225,6 +281,7 @@ impl LocalModel for Gauss {
             moments,
             lanes: Lanes::unbounded(&lobes),
             lobes,
+            pick: Pick::default(),
         })
     }
 }

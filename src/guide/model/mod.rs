@@ -73,6 +73,8 @@ pub(crate) trait LocalModel {
     fn train(stats: &mut Self::Stats, region: &Region, deposit: &Deposit, origin: Origin);
     /// The parameters that fit best what is remembered and what was added since.
     fn refit(stats: &mut Self::Stats, region: &Region, table: &Table);
+    /// Tries a lobe where one may be missing; further iterations find out what it is worth.
+    fn reseed(_: &mut Self::Stats) {}
     /// Remembers what was added.
     fn settle(stats: &mut Self::Stats);
     /// The state a child starts with.
@@ -286,6 +288,13 @@ macro_rules! local_models {
                 match kind {
                     ModelKind::$first => read::<$first_model>(links, input).map(Self::$first)
                     $(, ModelKind::$kind => read::<$model>(links, input).map(Self::$kind))*
+                }
+            }
+            /// Tries lobes where some may be missing.
+            pub fn reseed(&mut self) {
+                match self {
+                    Self::$first(s) => s.par_iter_mut().for_each(<$first_model>::reseed)
+                    $(, Self::$kind(s) => s.par_iter_mut().for_each(<$model>::reseed))*
                 }
             }
             /// Remembers what was trained.
