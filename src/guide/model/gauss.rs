@@ -9,10 +9,11 @@
 //! Training is expectation maximisation as in Vorba et al. 2014 (see [`super::super::gmm`]), with two
 //! differences. Parameters stay fixed while records come in and only moments are added up, as integers, so
 //! that shards add exactly; and a new cell starts from its parent's mixture instead of from its first
-//! records. Lobes that have become useless are tried elsewhere between iterations, at a record chosen by
-//! chance: a needle of light among the sky's is found sooner or later, where lobes that are wide already would
-//! never close in on it. Photons and camera paths each have moments of their own; they are joined by how many records of
-//! equal weight they are worth, because a few paths that met the sun by chance should not speak louder than a
+//! records. A lobe that has become useless is tried elsewhere between iterations, at a record chosen by chance,
+//! so that a needle of light in the sky can be found: lobes that are wide already would never close in on it.
+//!
+//! Photons and camera paths each have moments of their own; they are joined by how many records of equal
+//! weight they are worth, because a few paths that met the sun by chance should not speak louder than a
 //! thousand photons.
 
 use super::moments::Moments;
@@ -25,9 +26,9 @@ use crate::math::equal_area::{CODE_LEVELS, DirectionCell};
 use crate::math::rng::{hash64, unit_f32};
 use crate::math::{Frame, Vec2, Vec3};
 
-/// A lobe of a hundred records is half a degree wide at least if they are all in one place, and none is below
-/// 0.3 degrees. (A spread of 2e-4 has 1.5 times the variance in a torus in glass, 5e-4 twice; a least variance
-/// of 1e-7 gains nothing.)
+/// A lobe of a single record is one degree wide (standard deviation), and none is narrower than 0.3 degrees. (A
+/// spread of 2e-4 has 1.5 times the variance in a torus in glass, 5e-4 1.7 times; a least variance of 1e-7
+/// gains nothing.)
 const PRIOR: Prior = Prior {
     spread: 2e-5,
     least_variance: 1.5e-6,

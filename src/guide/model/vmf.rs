@@ -23,8 +23,8 @@ const MEMORY: f64 = 0.5;
 /// Weight of new records, in units, below which earlier batches count in full.
 const ENOUGH: f64 = 128.0;
 /// A cell of eight lobes with parallax explains a lot of space, but not all: on veach-ajar, 320 wide at
-/// 64 samples, the relative error is 0.338 with 16 000 records, 0.220 with 4000 and 0.171 with 1000
-/// (`twintree render --guide double --guide-model vmf --reference R.exr`; with one look at a batch). `constant` has 0.148.
+/// 64 samples, the relative error is 0.338 with 16 000 records, 0.220 with 4000 and 0.171 with 1000, with one
+/// look at a batch (`twintree render --guide double --guide-model vmf --reference R.exr`). `constant` has 0.148.
 const SPLIT_RECORDS: u32 = 1000;
 /// Quanta a unit in the integer sums.
 const QUANTA: f64 = (1u64 << 20) as f64;
