@@ -113,10 +113,10 @@
 //!   learning from photons and paths), constants against Gaussians: veach-ajar 9.2, 6.8; a kitchen 16.6, 12.7;
 //!   lux-pool 126, 18; a glass caustic 4.7, 3.9; a Cornell box 0.46, 0.42; but a torus in glass under a small
 //!   sun 1.4, 2.0: light that comes from several needles at once, each seen from a part of the cell only. From
-//!   one million photons alone: veach-ajar 16, 10; lux-pool 255, 33; the caustic 6.1, 3.2. Learning takes twice
-//!   as long, and constants are the default.
-//!   Round lobes have 1.2 to 1.4 times the variance of slanted ones; one look at a batch instead of several up
-//!   to 35 times. A lobe that has become useless is tried at a record chosen by chance: 2.1 against 3.5 in the
+//!   one million photons alone: veach-ajar 13.3, 11.3; lux-pool 255, 30; the caustic 6.1, 3.8. Learning takes
+//!   one to two and a half times as long, and constants are the default.
+//!   Cached mixtures ([`gmm`]) show what matters: round lobes have 1.2 to 1.5 times the variance of slanted
+//!   ones, one look at the records instead of several 3.6 to 35 times. A lobe that has become useless is tried at a record chosen by chance: 2.1 against 3.5 in the
 //!   torus, 17 against 21 in lux-pool; at the record that surprises most it gains nothing. Nor does weighing
 //!   photons and paths by the flux that they find instead of by their number.
 //! * **Exact sums.** Fluxes are 128-bit integers in quanta of 2^-60 of a typical photon

@@ -18,10 +18,9 @@ const RULE: [(f64, f64); 5] = [
 ];
 
 /// A part of the unit square.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Domain {
     /// All of it.
-    #[default]
     Square,
     /// The disk inside it, of diameter 1.
     Disk,

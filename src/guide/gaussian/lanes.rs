@@ -59,7 +59,7 @@ impl Lanes {
 /// e^x for x <= 0, to 2e-7; 0 below -87. Without a branch, so that loops over it become vector code, and the
 /// same bits on every machine.
 #[inline]
-pub fn exp(x: f32) -> f32 {
+fn exp(x: f32) -> f32 {
     /// Adding it leaves the nearest integer in the lowest bits.
     const MAGIC: f32 = 12_582_912.0;
     let x = x.max(-87.0);

@@ -6,8 +6,10 @@ use crate::math::Vec2;
 
 /// Quanta a unit of weight: the smallest variance is told from zero by five digits.
 const QUANTA: f64 = (1u64 << 40) as f64;
-/// Quanta a squared unit of weight.
-const SQUARE_QUANTA: f64 = (1u64 << 20) as f64;
+/// Quanta a squared unit of weight: light a million times dimmer than a typical record still counts.
+const SQUARE_QUANTA: f64 = (1u64 << 60) as f64;
+/// No sum of a file may be larger: what is added later must have room.
+const MOST: u128 = 1 << 120;
 /// A lobe that a record belongs to by less than this learns nothing from it.
 const LEAST_SHARE: f32 = 1e-6;
 /// How much of what is remembered counts beside new records.
@@ -76,7 +78,7 @@ impl Moments {
                 *sum += i128::from((g * m) as i64);
             }
         }
-        self.fresh_square += i128::from((units * units * SQUARE_QUANTA) as i64);
+        self.fresh_square += (units * units * SQUARE_QUANTA) as i128;
     }
 
     /// What is remembered and what was added since.
@@ -170,7 +172,10 @@ impl Moments {
             *v = input.f64().filter(|v| v.is_finite() && v.abs() < 1e100)?;
         }
         new.remembered_square = input.f64().filter(|v| v.is_finite() && *v >= 0.0)?;
-        let mut integer = || Some(i128::from(input.u64()?) | i128::from(input.u64()? as i64) << 64);
+        let mut integer = || {
+            let q = i128::from(input.u64()?) | i128::from(input.u64()? as i64) << 64;
+            (q.unsigned_abs() <= MOST).then_some(q)
+        };
         for q in new.fresh.iter_mut().flatten() {
             *q = integer()?;
         }

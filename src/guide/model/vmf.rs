@@ -239,7 +239,7 @@ impl LocalModel for Vmf {
                 s.direction.z,
                 s.inverse_distance,
             ] {
-                out.u64(v.to_bits());
+                out.f64(v);
             }
         }
         for q in stats.fresh.iter().flatten() {
@@ -252,10 +252,7 @@ impl LocalModel for Vmf {
         for s in &mut stats.sums {
             let mut v = [0f64; 5];
             for x in &mut v {
-                *x = f64::from_bits(input.u64()?);
-                if !x.is_finite() || x.abs() > 1e100 {
-                    return None;
-                }
+                *x = input.f64().filter(|x| x.is_finite() && x.abs() <= 1e100)?;
             }
             *s = Sums {
                 weight: v[0].max(0.0),

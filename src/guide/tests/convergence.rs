@@ -1,7 +1,7 @@
 //! More photons, better field; until memory ends.
 
 use super::synthetic::{Patch, disk_light, square, unit_box};
-use crate::guide::{Field, ModelKind, PathSample, Settings, Source, Trainer};
+use crate::guide::{Field, ModelKind, PathSample, Photon, Settings, Source, Trainer};
 use crate::math::warp::concentric_disk;
 use crate::math::{Pcg32, Rgb, Vec3};
 
@@ -182,4 +182,38 @@ fn camera_paths_alone_learn_the_light_too() {
     let learned = f64::from(field.at(x, None, Rgb::ONE).irradiance().x);
     let truth = irradiance(x, &mut rng);
     assert!((learned / truth - 1.0).abs() < 0.2, "{learned} {truth}");
+}
+
+#[test]
+fn mixtures_learn_in_the_dark_beside_bright_light() {
+    // Light from above is a hundred thousand times as bright as what comes from aside, beyond x = 0.7.
+    let aside = Vec3::new(-0.8, 0.0, 0.6);
+    let settings = Settings {
+        model: ModelKind::Gauss,
+        ..unit_box()
+    };
+    let mut t = Trainer::build(settings).unwrap();
+    t.set_surface(&Patch::floor().surface(20_000, 5), 1.0);
+    let mut rng = Pcg32::new(3, 5);
+    for _ in 0..4 {
+        let photons: Vec<Photon> = (0..4000)
+            .map(|_| {
+                let position = Vec3::new(rng.next_f32(), rng.next_f32(), 0.25);
+                let dim = position.x > 0.7;
+                Photon {
+                    position,
+                    direction: if dim { aside } else { Vec3::Z },
+                    power: Rgb::splat(if dim { 1e-5 } else { 1.0 }),
+                    distance: f32::INFINITY,
+                    normal: Vec3::Z,
+                }
+            })
+            .collect();
+        t.train(&photons, 4000);
+        t.refine_rounds(4);
+    }
+    let field = t.freeze();
+    let pdf = |x: f32, w: Vec3| field.at(Vec3::new(x, 0.4, 0.25), None, Rgb::ONE).pdf(w);
+    assert!(pdf(0.2, Vec3::Z) > 10.0, "{}", pdf(0.2, Vec3::Z));
+    assert!(pdf(0.9, aside) > 10.0, "{}", pdf(0.9, aside));
 }
