@@ -101,10 +101,17 @@ impl Trainer {
         if iterations == 0 {
             return;
         }
-        let order = self.descend(&recent.deposits, &mut recent.places, true);
+        let mut order = self.descend(&recent.deposits, &mut recent.places, true);
+        // Records of a link side by side: they are read several times.
+        let sorted: Vec<Deposit> = order
+            .par_iter()
+            .map(|&o| recent.deposits[o as u32 as usize])
+            .collect();
+        let in_order = |(i, o): (usize, &mut u64)| *o = *o >> 32 << 32 | i as u64;
+        order.par_iter_mut().enumerate().for_each(in_order);
         for i in 1..=iterations {
             self.stats.clear();
-            self.add_up(&recent.deposits, &order, (unit, origin), Look::Models);
+            self.add_up(&sorted, &order, (unit, origin), Look::Models);
             self.refit();
             if i + UNDISTURBED <= iterations {
                 self.stats.reseed();

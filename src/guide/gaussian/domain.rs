@@ -1,20 +1,35 @@
 //! What part of the plane stands for directions, and how much of a Gaussian lies inside it.
 
+use super::lanes::Eight;
 use super::lobe::Lobe;
 use crate::math::Vec2;
-use crate::math::special::erf;
+use crate::math::special::{erf, exp_negative};
 use crate::math::warp::concentric_disk;
-use std::f32::consts::FRAC_PI_4;
+use std::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_4};
 
 /// A lobe whose mean is this many standard deviations inside every border has all its mass there, to 6e-7.
 const INSIDE: f32 = 5.0;
-/// Nodes and weights of Gauss and Legendre's rule of five points on [-1, 1].
-const RULE: [(f64, f64); 5] = [
-    (-0.906_179_845_938_664, 0.236_926_885_056_189_1),
-    (-0.538_469_310_105_683_1, 0.478_628_670_499_366_5),
-    (0.0, 0.568_888_888_888_888_9),
-    (0.538_469_310_105_683_1, 0.478_628_670_499_366_5),
-    (0.906_179_845_938_664, 0.236_926_885_056_189_1),
+/// Nodes of Gauss and Legendre's rule of eight points on [-1, 1].
+const NODES: Eight = [
+    -0.960_289_84,
+    -0.796_666_5,
+    -0.525_532_4,
+    -0.183_434_65,
+    0.183_434_65,
+    0.525_532_4,
+    0.796_666_5,
+    0.960_289_84,
+];
+/// Their weights.
+const WEIGHTS: Eight = [
+    0.101_228_535,
+    0.222_381_04,
+    0.313_706_64,
+    0.362_683_78,
+    0.362_683_78,
+    0.313_706_64,
+    0.222_381_04,
+    0.101_228_535,
 ];
 
 /// A part of the unit square.
@@ -54,15 +69,26 @@ impl Domain {
         }
     }
 
-    /// From where to where it goes along y.
+    /// A way along x, from 0 to 1 as `s` goes from 0 to 1, on which borders have no steep ends: for the disk
+    /// x = s^2 (3 - 2 s), on which the root in its border's height is s (1 - s) times a smooth function. Returns
+    /// x, dx/ds and from where to where the domain goes along y.
     #[inline]
-    fn heights(self, x: f32) -> (f32, f32) {
+    fn column(self, s: f32) -> (f32, f32, f32, f32) {
         match self {
-            Self::Square => (0.0, 1.0),
+            Self::Square => (s, 1.0, 0.0, 1.0),
             Self::Disk => {
-                let half = (0.25 - (x - 0.5) * (x - 0.5)).max(0.0).sqrt();
-                (0.5 - half, 0.5 + half)
+                let rise = s * (1.0 - s);
+                let half = rise * ((3.0 - 2.0 * s) * (1.0 + 2.0 * s)).sqrt();
+                (s * s * (3.0 - 2.0 * s), 6.0 * rise, 0.5 - half, 0.5 + half)
             }
+        }
+    }
+
+    /// The s of an x.
+    fn way(self, x: f32) -> f32 {
+        match self {
+            Self::Square => x,
+            Self::Disk => 0.5 - ((1.0 - 2.0 * x).asin() / 3.0).sin(),
         }
     }
 
@@ -78,40 +104,61 @@ impl Domain {
         }
     }
 
+    /// A lobe of the same mass, which is easier to integrate: the disk may be turned, so that what is
+    /// narrow lies along x and nothing is steep along y.
+    fn turned(self, lobe: &Lobe) -> Lobe {
+        if self == Self::Square {
+            return *lobe;
+        }
+        let [xx, xy, yy] = lobe.covariance.map(f64::from);
+        let turn = 0.5 * (2.0 * xy).atan2(xx - yy);
+        let along = Vec2::from_angle(turn as f32);
+        let long = 0.5 * (xx + yy + (xx - yy).hypot(2.0 * xy));
+        let short = (xx * yy - xy * xy) / long;
+        let offset = lobe.mean - 0.5;
+        Lobe {
+            weight: lobe.weight,
+            mean: Vec2::new(along.perp_dot(offset), along.dot(offset)) + 0.5,
+            covariance: [short as f32, 0.0, long as f32],
+        }
+    }
+
     /// The integral of a lobe's Gaussian over the domain. There is no closed form with correlation: along x
     /// by quadrature, along y, whose distribution given x is a Gaussian, by the error function.
     pub fn mass(self, lobe: &Lobe) -> f32 {
-        let [xx, xy, yy] = lobe.covariance;
-        let (sx, sy) = (xx.sqrt(), yy.sqrt());
-        if self.holds(lobe, Vec2::new(sx, sy)) {
+        let [xx, _, yy] = lobe.covariance;
+        if self.holds(lobe, Vec2::new(xx.sqrt(), yy.sqrt())) {
             return 1.0;
         }
+        let lobe = self.turned(lobe);
+        let [xx, xy, yy] = lobe.covariance;
+        let (sx, sy) = (xx.sqrt(), yy.sqrt());
         let slope = xy / xx;
         let rest = (yy - xy * slope).max(1e-12).sqrt();
-        let (from, to) = (
-            (lobe.mean.x - 6.0 * sx).max(0.0),
-            (lobe.mean.x + 6.0 * sx).min(1.0),
-        );
+        let [from, to] =
+            [-6.0, 6.0].map(|reach| self.way((lobe.mean.x + reach * sx).clamp(0.0, 1.0)));
         if from >= to {
             return 0.0;
         }
         // The band within which y's distribution crosses a border is sy/rest times narrower than sx.
-        let panels = (8.0 * sy / rest).clamp(6.0, 256.0) as u32;
-        let width = f64::from(to - from) / f64::from(panels);
+        let panels = (4.0 * sy / rest).clamp(4.0, 128.0) as u32;
+        let half = 0.5 * (to - from) / panels as f32;
+        let scale = FRAC_1_SQRT_2 / rest;
         let mut sum = 0.0;
         for i in 0..panels {
-            let middle = f64::from(from) + (f64::from(i) + 0.5) * width;
-            for (node, weight) in RULE {
-                let x = (middle + 0.5 * width * node) as f32;
+            let middle = from + (2 * i + 1) as f32 * half;
+            // Eight at a time, as vector instructions.
+            let mut shares: Eight = [0.0; 8];
+            for (k, share) in shares.iter_mut().enumerate() {
+                let (x, pace, low, high) = self.column(middle + half * NODES[k]);
                 let t = (x - lobe.mean.x) / sx;
                 let y = lobe.mean.y + slope * (x - lobe.mean.x);
-                let scale = std::f32::consts::FRAC_1_SQRT_2 / rest;
-                let (low, high) = self.heights(x);
-                let share = 0.5 * (erf((high - y) * scale) - erf((low - y) * scale));
-                sum += weight * f64::from((-0.5 * t * t).exp() * share);
+                let inside = erf((high - y) * scale) - erf((low - y) * scale);
+                *share = pace * WEIGHTS[k] * exp_negative(-0.5 * t * t) * inside;
             }
+            sum += shares.iter().map(|&s| f64::from(s)).sum::<f64>();
         }
         let density = 1.0 / (f64::from(sx) * std::f64::consts::TAU.sqrt());
-        (sum * 0.5 * width * density) as f32
+        (0.5 * sum * f64::from(half) * density) as f32
     }
 }

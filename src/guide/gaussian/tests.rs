@@ -46,3 +46,37 @@ fn densities_over_the_disk_integrate_to_one_and_samples_follow_them() {
         }
     }
 }
+
+#[test]
+fn the_mass_inside_is_exact_also_for_thin_lobes_across_the_rim() {
+    let mut rng = Pcg32::new(7, 8);
+    for round in 0..300 {
+        let (sx, sy) = (
+            0.004 * 100f32.powf(rng.next_f32()),
+            0.004 * 100f32.powf(rng.next_f32()),
+        );
+        let lobe = Lobe {
+            weight: 1.0,
+            mean: Domain::Disk.uniform(Vec2::new(rng.next_f32(), rng.next_f32())),
+            covariance: [sx * sx, 1.98 * (rng.next_f32() - 0.5) * sx * sy, sy * sy],
+        };
+        let [a, b, d] = lobe.inverse_cholesky().unwrap_or_default();
+        // Points of a golden spiral, spread as the Gaussian.
+        let n = 100_000;
+        let mut inside = 0u32;
+        for i in 0..n {
+            let r = (-2.0 * ((f64::from(i) + 0.5) / f64::from(n)).ln()).sqrt() as f32;
+            let turn = (f64::from(i) * 0.618_033_988_749_894_9).fract() as f32;
+            let (sin, cos) = (std::f32::consts::TAU * turn).sin_cos();
+            let x = r * cos / a;
+            let y = (r * sin - b * x) / d;
+            inside += u32::from(Domain::Disk.contains(lobe.mean + Vec2::new(x, y)));
+        }
+        let counted = f64::from(inside) / f64::from(n);
+        let mass = f64::from(Domain::Disk.mass(&lobe));
+        assert!(
+            (mass - counted).abs() < 5e-4,
+            "{round}: {mass} {counted} {lobe:?}"
+        );
+    }
+}
