@@ -57,7 +57,10 @@ fn room() -> Built {
 }
 
 fn learned(built: &Built, photons: u64, paths: u64) -> Learned {
-    let settings = how(photons, paths);
+    learned_by(built, how(photons, paths))
+}
+
+fn learned_by(built: &Built, settings: LearnSettings) -> Learned {
     learn(&built.view(&twelve(), None), &settings).expect("the field is learned")
 }
 
@@ -82,7 +85,8 @@ fn how(photons: u64, paths: u64) -> LearnSettings {
         memory: 32 << 20,
         mixture: None,
         photon,
-        model: ModelKind::default(),
+        // What the program takes unless it is told otherwise.
+        model: ModelKind::Gauss,
     }
 }
 
@@ -134,12 +138,18 @@ fn learned_random_and_foreign_fields_give_the_unguided_mean() {
     let (plain, _) = room.render(&path, 512);
     path.seed = 2;
 
-    let field = learned(&room, 200_000, 0).guide;
-    agree(
-        "learned",
-        &room.render_guided(&path, 256, Some(&field)).0,
-        &plain,
-    );
+    for model in ModelKind::ALL {
+        let settings = LearnSettings {
+            model: *model,
+            ..how(200_000, 0)
+        };
+        let field = learned_by(&room, settings).guide;
+        agree(
+            &format!("learned {model:?}"),
+            &room.render_guided(&path, 256, Some(&field)).0,
+            &plain,
+        );
+    }
     let paths = learned(&room, 0, 60_000).guide;
     agree(
         "learned from paths",

@@ -83,7 +83,8 @@ pub struct LearnArgs {
     #[arg(
         long,
         value_name = "NAME",
-        default_value = "constant",
+        value_enum,
+        default_value_t,
         help_heading = "Guiding"
     )]
     pub guide_model: GuideModel,
@@ -239,13 +240,14 @@ pub enum Guide {
 }
 
 /// What describes the directions of a cell.
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(ValueEnum, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum GuideModel {
-    /// Constants on a tree of directions, as in the paper
+    /// Constants on a tree of directions, as in the paper: for a short preview
     Constant,
     /// A mixture of von Mises-Fisher lobes with parallax: for lights that are small, or little memory
     Vmf,
     /// A mixture of eight Gaussians: learns from fewer records, ahead where light is narrow and moves
+    #[default]
     Gauss,
 }
 

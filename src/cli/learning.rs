@@ -190,7 +190,7 @@ fn mixtures(args: &GuideArgs, view: &View, settings: &LearnSettings) -> Result<G
         let help = "leave \"--train paths\" away, and give --photons a number above 0";
         return Err(Failure::wrong(message, help));
     }
-    if args.learn.guide_model != GuideModel::Constant {
+    if args.learn.guide_model != GuideModel::default() {
         let message = "--guide gmm has a model of its own";
         let help = "leave --guide-model away, or take --guide double";
         return Err(Failure::wrong(message, help));

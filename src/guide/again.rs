@@ -11,7 +11,6 @@ use super::model::Look;
 use super::record::{Deposit, Origin};
 use super::refine::Refined;
 use super::train::Trainer;
-use crate::math::sum::SumUnit;
 use rayon::prelude::*;
 
 /// Most records that are kept, some 70 bytes each. Of a larger batch the first ones have to speak for
@@ -116,13 +115,6 @@ impl Trainer {
             if i + UNDISTURBED <= iterations {
                 self.stats.reseed();
             }
-        }
-    }
-
-    fn unit(&self, origin: Origin) -> Option<SumUnit> {
-        match origin {
-            Origin::Photon => self.photon_unit,
-            Origin::Path => self.path_unit,
         }
     }
 

@@ -189,11 +189,12 @@ impl Trainer {
     }
 
     fn flux(&self, t: &super::tally::Tally, origin: Origin) -> f64 {
-        let (flux, unit) = match origin {
-            Origin::Photon => (&t.photons, self.photon_unit),
-            Origin::Path => (&t.paths, self.path_unit),
+        let flux = match origin {
+            Origin::Photon => &t.photons,
+            Origin::Path => &t.paths,
         };
-        unit.map_or(0.0, |u| flux.rgb(u).element_sum() / 3.0)
+        let sum = |unit| flux.rgb(unit).element_sum() / 3.0;
+        self.unit(origin).map_or(0.0, sum)
     }
 
     /// The best of a link's possible splits by the records of one origin, if any is worth it. `share`

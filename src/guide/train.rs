@@ -237,6 +237,14 @@ impl Trainer {
             .accumulate(&batch, order, &mut self.tallies, &mut self.table);
     }
 
+    /// The unit of an origin's sums, once there were records.
+    pub(crate) fn unit(&self, origin: Origin) -> Option<SumUnit> {
+        match origin {
+            Origin::Photon => self.photon_unit,
+            Origin::Path => self.path_unit,
+        }
+    }
+
     pub(crate) fn table_stride(&self) -> usize {
         tables(self.settings.source) * self.table_size()
     }

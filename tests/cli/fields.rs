@@ -18,6 +18,7 @@ fn train(place: &Place, name: &str, words: &str) {
 fn a_field_of_photons_from_a_file_gives_the_bits_of_one_go() {
     for words in [
         "--guide-model constant",
+        "--guide-model gauss",
         "--guide-model vmf",
         "--seed 3",
         "--max-depth 6",
@@ -64,7 +65,7 @@ fn one_and_three_threads_write_the_same_file() {
 
 #[test]
 fn shards_add_up_to_the_bits_of_one_run_in_any_order() {
-    for model in ["constant", "vmf"] {
+    for model in ["constant", "vmf", "gauss"] {
         let place = Place::new();
         train(
             &place,

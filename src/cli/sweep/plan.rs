@@ -76,7 +76,7 @@ pub fn built_in(scene: SceneTraits) -> Vec<Configuration> {
     plan.turn("batches", "12");
     plan.turn("guide-memory", "16M");
     plan.turn("guide-memory", "64M");
-    plan.turn_all("guide-model", &[GuideModel::Constant]);
+    plan.turn_all("guide-model", &[GuideModel::default()]);
     plan.turn_all("train", &[Teachers::Both]);
     plan.turn("mixture", "0.25");
     plan.turn("mixture", "0.5");

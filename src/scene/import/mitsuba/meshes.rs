@@ -95,7 +95,7 @@ fn missing_error(importer: &Importer, missing: &[&&Request]) -> ImportError {
             many.join("\n    ")
         ),
     };
-    let help = "restore the files, or render leniently without them".to_owned();
+    let help = "restore the files, or go on without them with --lenient".to_owned();
     let at = missing.first().map(|r| importer.document.location(r.at));
     ImportError {
         at,
