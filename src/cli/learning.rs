@@ -224,13 +224,18 @@ pub fn describe(learner: &Learner) {
     let Some(verdict) = learner.verdict() else {
         return;
     };
-    match verdict.pays() {
-        true => tracing::info!("guiding takes {:.2} of the work", 1.0 / verdict.gain()),
-        false => tracing::info!(
-            "guiding would take {:.1} times the work here: it was stopped after {} samples a pixel",
-            1.0 / verdict.gain(),
+    let work = 1.0 / verdict.gain();
+    if !verdict.pays() {
+        tracing::info!(
+            "guiding would take {work:.1} times the work here: it was stopped after {} samples a pixel",
             trial::AFTER
-        ),
+        );
+    } else if verdict.is_ahead() {
+        tracing::info!("guiding takes {work:.2} of the work");
+    } else {
+        tracing::info!(
+            "guiding goes on for light that is rare: elsewhere it takes {work:.1} times the work"
+        );
     }
 }
 

@@ -67,9 +67,12 @@ impl Verdict {
     pub fn pays(&self) -> bool {
         // Nothing to tell apart: a black image, or no light at all.
         let even = self.guided <= 0.0 && self.unguided <= 0.0;
-        even || self.tail > HEAVY
-            || self.gain() * PATIENCE >= 1.0
-            || self.light_found < 1.0 - MISSED
+        even || self.tail > HEAVY || self.is_ahead() || self.light_found < 1.0 - MISSED
+    }
+
+    /// Whether guiding is ahead but for the worst pixels, or may soon be.
+    pub fn is_ahead(&self) -> bool {
+        self.gain() * PATIENCE >= 1.0
     }
 }
 
