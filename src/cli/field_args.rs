@@ -242,7 +242,7 @@ pub enum Guide {
 /// What describes the directions of a cell.
 #[derive(ValueEnum, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum GuideModel {
-    /// Constants on a tree of directions, as in the paper: for a short preview
+    /// Constants on a tree of directions, as in the paper: learned in less time
     Constant,
     /// A mixture of von Mises-Fisher lobes with parallax: for lights that are small, or little memory
     Vmf,

@@ -119,9 +119,9 @@
 //!   Cached mixtures ([`gmm`]) show what matters: round lobes have 1.2 to 1.5 times the variance of slanted
 //!   ones, one look at the records instead of several 3.6 to 35 times. A lobe that has become useless is tried
 //!   at a record chosen by chance: 2.1 against 3.5 in the torus, 17 against 21 in lux-pool; at the record that
-//!   surprises most it gains nothing. Nor does judging lobes by how much likelihood their loss would cost instead of by weight, nor weighing photons and paths by the
-//!   flux that they find instead of by their number. Sixteen lobes: 5.8 against 6.3 in the torus, the same in
-//!   lux-pool.
+//!   surprises most it gains nothing. Nor does judging lobes by how much likelihood their loss would cost
+//!   instead of by weight, nor weighing photons and paths by the flux that they find instead of by their
+//!   number. Sixteen lobes: 5.8 against 6.3 in the torus, the same in lux-pool.
 //! * **Exact sums.** Fluxes are 128-bit integers in quanta of 2^-60 of a typical photon
 //!   ([`crate::math::sum`]), everything else trained is an integer, too. So the same records
 //!   give the same bits for any number of threads and any cut into batches, and shards

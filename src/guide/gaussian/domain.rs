@@ -1,6 +1,5 @@
 //! What part of the plane stands for directions, and how much of a Gaussian lies inside it.
 
-use super::lanes::Eight;
 use super::lobe::Lobe;
 use crate::math::Vec2;
 use crate::math::special::{erf, exp_negative};
@@ -9,8 +8,10 @@ use std::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_4};
 
 /// A lobe whose mean is this many standard deviations inside every border has all its mass there, to 6e-7.
 const INSIDE: f32 = 5.0;
-/// Nodes of Gauss and Legendre's rule of eight points on [-1, 1].
-const NODES: Eight = [
+/// Points of the quadrature rule.
+const POINTS: usize = 8;
+/// Nodes of Gauss and Legendre's rule on [-1, 1].
+const NODES: [f32; POINTS] = [
     -0.960_289_84,
     -0.796_666_5,
     -0.525_532_4,
@@ -21,7 +22,7 @@ const NODES: Eight = [
     0.960_289_84,
 ];
 /// Their weights.
-const WEIGHTS: Eight = [
+const WEIGHTS: [f32; POINTS] = [
     0.101_228_535,
     0.222_381_04,
     0.313_706_64,
@@ -147,8 +148,8 @@ impl Domain {
         let mut sum = 0.0;
         for i in 0..panels {
             let middle = from + (2 * i + 1) as f32 * half;
-            // Eight at a time, as vector instructions.
-            let mut shares: Eight = [0.0; 8];
+            // All points of a panel at a time, as vector instructions.
+            let mut shares = [0f32; POINTS];
             for (k, share) in shares.iter_mut().enumerate() {
                 let (x, pace, low, high) = self.column(middle + half * NODES[k]);
                 let t = (x - lobe.mean.x) / sx;
