@@ -31,7 +31,7 @@ pub struct GuideArgs {
         help_heading = "Guiding"
     )]
     pub mixture: Mixture,
-    /// What ends guided paths early
+    /// What guided paths are ended or split by
     #[arg(
         long,
         value_name = "NAME",
@@ -44,7 +44,7 @@ pub struct GuideArgs {
 /// What Russian roulette goes by where a field guides.
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RouletteBy {
-    /// How little light the field expects them to bring
+    /// How much light the field expects them to bring: what brings little is ended, what brings much split
     Field,
     /// Low throughput, as without a field
     Throughput,

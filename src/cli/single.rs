@@ -103,13 +103,17 @@ fn edge(number: usize, step: &Step, sum: Rgb, names: &[String]) -> String {
             step.hit.t
         ),
     };
+    let way = match step.way {
+        0 => String::new(),
+        way => format!(" (way {way})"),
+    };
     let light = match step.light {
         None => "no light sample".to_owned(),
         Some(l) if l.blocked => format!("light {} blocked", rgb(l.radiance)),
         Some(l) => format!("light {}", rgb(l.radiance)),
     };
     format!(
-        "edge {number}: from {org} along {dir} meets {met}\n  throughput {}, pdf {:e}\n  emission {}, {light}, sum {}\n",
+        "edge {number}{way}: from {org} along {dir} meets {met}\n  throughput {}, pdf {:e}\n  emission {}, {light}, sum {}\n",
         rgb(step.throughput),
         step.pdf,
         rgb(step.met),

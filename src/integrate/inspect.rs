@@ -2,10 +2,11 @@
 //!
 //! The path takes the same numbers and the same steps as in a render, so its radiance has the same bits.
 
+use super::forks::Forks;
 use super::learn::Learner;
 use super::render::{Job, Limits, Observer, PASS_SPP, Progress, View, first_ray};
 use super::teach::teach;
-use super::vertex::visit;
+use super::vertex::{Watched, visit};
 use super::wave::{Outcome, Path};
 use crate::accel::{Hit, Ray};
 use crate::film::Film;
@@ -26,6 +27,8 @@ pub struct LightBrought {
 /// What one edge of a path met, and what that gave.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
+    /// The way it belongs to: 0 until the path splits.
+    pub way: u32,
     /// The ray.
     pub ray: Ray,
     /// What it met.
@@ -56,7 +59,7 @@ impl Step {
 /// One sample.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Traced {
-    /// All edges of its path.
+    /// All edges of its path and of the ways that it was split into, bounce by bounce.
     pub steps: Vec<Step>,
     /// What it came to.
     pub outcome: Outcome,
@@ -68,17 +71,31 @@ pub struct Traced {
 pub fn trace_sample(view: &View, [x, y]: [u32; 2], sample: u64) -> Traced {
     let filter = FilterSampler::new(view.film.filter);
     let (camera, sampler, weight) = first_ray(view, &filter, [x, y], sample);
-    let mut path = Path::new(&camera, sampler, 0);
-    let mut traced = Traced {
-        steps: Vec::new(),
-        outcome: Outcome::default(),
-        weight,
-    };
-    let mut next = Some(camera.ray);
-    while let Some(ray) = next {
-        next = step(view, &ray, &mut path, &mut traced);
+    let path = Path::new(&camera, sampler, 0);
+    let mut forks = Forks::default();
+    forks.start(1);
+    let mut outcomes = vec![Outcome::default()];
+    let mut steps = Vec::new();
+    let mut next = vec![(path, camera.ray)];
+    // All ways together, bounce by bounce, as in a wave.
+    while !next.is_empty() {
+        let mut onward = Vec::new();
+        for (mut path, ray) in next {
+            let outcome = &mut outcomes[path.slot as usize];
+            if let Some(ray) = step(view, &ray, &mut path, outcome, &mut forks, &mut steps) {
+                onward.push((path, ray));
+            }
+        }
+        onward.extend(forks.take());
+        outcomes.resize(forks.accounts(), Outcome::default());
+        next = onward;
     }
-    traced
+    forks.settle(&mut outcomes);
+    Traced {
+        steps,
+        outcome: outcomes[0],
+        weight,
+    }
 }
 
 /// Ends teaching before the pass that holds a sample.
@@ -127,36 +144,42 @@ pub fn teach_until(view: &View, learner: &mut Learner, spp: u64, sample: u64) {
 }
 
 /// One edge: the next ray, or none.
-fn step(view: &View, ray: &Ray, path: &mut Path, traced: &mut Traced) -> Option<Ray> {
+fn step(
+    view: &View,
+    ray: &Ray,
+    path: &mut Path,
+    outcome: &mut Outcome,
+    forks: &mut Forks,
+    steps: &mut Vec<Step>,
+) -> Option<Ray> {
     let rays = &view.scene.rays;
     // By the batch query, as in a render: a ray of a packet may differ from a single one in the last bit.
     let mut hit = [Hit::NONE];
     rays.intersect_batch(&[*ray], &mut hit);
-    let (throughput, pdf) = (path.throughput, path.pdf);
-    let before = traced.outcome.radiance;
-    traced.outcome.radiance = Rgb::ZERO;
-    let next = visit(
-        &view.walk(),
-        ray,
-        &hit[0],
-        path,
-        &mut traced.outcome,
-        &mut (),
-    );
-    let met = traced.outcome.radiance;
-    traced.outcome.radiance = before + met;
+    let (throughput, pdf, way) = (path.throughput, path.pdf, path.slot);
+    let before = outcome.radiance;
+    outcome.radiance = Rgb::ZERO;
+    let watched = Watched {
+        outcome: &mut *outcome,
+        forks,
+        witness: &mut (),
+    };
+    let next = visit(&view.walk(), ray, &hit[0], path, watched);
+    let met = outcome.radiance;
+    outcome.radiance = before + met;
     let light = next.shadow.map(|(shadow, brought)| {
         let mut blocked = [false];
         rays.occluded_batch(&[shadow], &mut blocked);
         if !blocked[0] {
-            traced.outcome.radiance += brought.radiance;
+            outcome.radiance += brought.radiance;
         }
         LightBrought {
             radiance: brought.radiance,
             blocked: blocked[0],
         }
     });
-    traced.steps.push(Step {
+    steps.push(Step {
+        way,
         ray: *ray,
         hit: hit[0],
         throughput,

@@ -11,6 +11,7 @@
 
 pub mod cells;
 pub mod extend;
+pub mod forks;
 pub mod guiding;
 pub mod importance;
 pub mod inspect;

@@ -1,5 +1,6 @@
 //! One vertex of a camera path.
 
+use super::forks::Forks;
 use super::guiding::{Guidance, GuidedVertex, facing, is_guidable};
 use super::record::{Arrival, Departure, Onward, Witness};
 use super::roulette;
@@ -21,7 +22,7 @@ const SHADOW_MARGIN: f32 = 1e-4;
 /// Light that a sample receives if nothing is in between.
 #[derive(Clone, Copy, Debug)]
 pub struct ShadowRay {
-    /// Which of the wave's samples.
+    /// The account of the path that sampled it.
     pub slot: u32,
     /// Throughput, BSDF, light and MIS weight multiplied out.
     pub radiance: Rgb,
@@ -55,22 +56,36 @@ pub struct Walk<'a> {
     pub guide: Option<Guidance<'a>>,
 }
 
-/// Handles what `ray` met: adds emission to `outcome`, samples a light, samples the BSDF (and the field,
-/// with a guide), plays roulette.
+/// What a vertex writes to beside its path.
+pub struct Watched<'w, W: Witness> {
+    /// The path's account.
+    pub outcome: &'w mut Outcome,
+    /// Where ways that split off go.
+    pub forks: &'w mut Forks,
+    /// Who looks on.
+    pub witness: &'w mut W,
+}
+
+/// Handles what `ray` met: adds emission to the path's account, samples a light, samples the BSDF (and the
+/// field, with a guide), splits the path or plays roulette.
 #[inline]
 pub fn visit(
     walk: &Walk,
     ray: &Ray,
     hit: &Hit,
     path: &mut Path,
-    outcome: &mut Outcome,
-    witness: &mut impl Witness,
+    watched: Watched<impl Witness>,
 ) -> Next {
     let Walk {
         scene,
         settings,
         guide,
     } = *walk;
+    let Watched {
+        outcome,
+        forks,
+        witness,
+    } = watched;
     if !hit.is_some() {
         witness.arrive(path.slot, outcome.radiance, f32::INFINITY);
         add_environment(scene, settings, ray, path, outcome);
@@ -103,11 +118,12 @@ pub fn visit(
         }
     }
     let guided = guide.and_then(|g| g.at(&point, &bsdf, wo, path.throughput));
-    let vertex = Vertex {
+    let mut vertex = Vertex {
         point: &point,
         bsdf: &bsdf,
         guided: guided.as_ref(),
         wo,
+        ways: 1,
     };
     let block = path.sampler.next4();
     let arrival = Arrival {
@@ -115,8 +131,57 @@ pub fn visit(
         radiance: outcome.radiance,
     };
     let shadow = sample_light(walk, &vertex, path, [block[0], block[1], block[2]]);
-    let ray = scatter(settings, &vertex, path, block[3], &arrival, hit.t, witness);
+    vertex.ways = ways(settings, &vertex, path);
+    let mut go = |path: &mut Path, arrival: &Arrival| {
+        scatter(settings, &vertex, path, block[3], arrival, hit.t, witness)
+    };
+    let ray = if vertex.ways > 1 {
+        split(vertex.ways, path, forks, &mut go)
+    } else {
+        go(path, &arrival)
+    };
     Next { ray, shadow }
+}
+
+/// How many ways the path goes on by the field's account. Where the field cannot tell: one.
+#[inline]
+fn ways(settings: &PathSettings, vertex: &Vertex, path: &Path) -> u32 {
+    if settings.roulette != Roulette::Field {
+        return 1;
+    }
+    let reflected = vertex.guided.and_then(GuidedVertex::reflected);
+    reflected.map_or(1, |r| {
+        roulette::ways(path, (path.throughput * r).element_sum())
+    })
+}
+
+/// Lets a path `go` on in several ways, each with its share of the throughput. The path itself takes the
+/// first, with an account of its own like the others.
+fn split(
+    ways: u32,
+    path: &mut Path,
+    forks: &mut Forks,
+    go: &mut impl FnMut(&mut Path, &Arrival) -> Option<Ray>,
+) -> Option<Ray> {
+    let parent = path.slot;
+    path.throughput /= ways as f32;
+    path.ways *= ways;
+    let arrival = Arrival {
+        throughput: path.throughput,
+        radiance: Rgb::ZERO,
+    };
+    for i in 1..ways {
+        let mut way = Path {
+            slot: forks.open(parent),
+            sampler: path.sampler.fork(i),
+            ..*path
+        };
+        if let Some(ray) = go(&mut way, &arrival) {
+            forks.push(way, ray);
+        }
+    }
+    path.slot = forks.open(parent);
+    go(path, &arrival)
 }
 
 /// What is known at a vertex.
@@ -125,6 +190,8 @@ struct Vertex<'v, 's> {
     bsdf: &'v Bsdf,
     guided: Option<&'v GuidedVertex<'s>>,
     wo: Vec3,
+    /// Directions in which the path goes on.
+    ways: u32,
 }
 
 /// Adds what shines from outside the scene.
@@ -207,6 +274,7 @@ fn sample_light(
         bsdf,
         guided,
         wo,
+        ..
     } = *vertex;
     path.light_chance = guided.map_or(1.0, GuidedVertex::light_chance);
     if !bsdf.flags().has(LobeFlags::SMOOTH) {
@@ -311,6 +379,7 @@ fn go_on(
         bsdf,
         guided,
         wo,
+        ..
     } = *vertex;
     let block = path.sampler.next4();
     path.depth += 1;
@@ -331,13 +400,12 @@ fn go_on(
     }
     path.eta *= sample.eta;
     let by_field = guided.filter(|_| settings.roulette == Roulette::Field);
-    let survival = match by_field {
-        Some(guided) => {
-            let coming = (arrival.throughput * guided.reflected()).element_sum();
-            roulette::by_field(path, coming, arrival.radiance)
-        }
-        None if path.depth >= settings.rr_depth => roulette::by_throughput(path),
-        None => 1.0,
+    let known = by_field.and_then(GuidedVertex::reflected);
+    let survival = match known {
+        Some(reflected) => roulette::by_field(path, (arrival.throughput * reflected).element_sum()),
+        None if path.depth < settings.rr_depth => 1.0,
+        None if by_field.is_some() => roulette::MAX_SURVIVAL,
+        None => roulette::by_throughput(path),
     };
     if u_roulette >= survival {
         return None;
@@ -375,11 +443,13 @@ fn watch<W: Witness>(
             throughput: path.throughput,
         }
     });
+    // The light sample belongs to all ways together.
+    let single = vertex.guided.filter(|_| vertex.ways == 1);
     let departure = Departure {
         position: vertex.point.p,
         normal: facing(vertex.point, vertex.wo),
         arrival: *arrival,
-        light_chance: vertex.guided.map(GuidedVertex::light_chance),
+        light_chance: single.map(GuidedVertex::light_chance),
         onward,
     };
     witness.leave(path.slot, departure);

@@ -1,7 +1,8 @@
 //! A wave of paths that advance together, one bounce at a time.
 
+use super::forks::Forks;
 use super::record::Witness;
-use super::vertex::{self, ShadowRay, Walk};
+use super::vertex::{self, ShadowRay, Walk, Watched};
 use crate::accel::{Hit, Ray};
 use crate::camera::CameraRay;
 use crate::math::{PathSampler, Rgb, Vec3};
@@ -28,11 +29,13 @@ pub struct Path {
     pub eta: f32,
     /// Edges so far.
     pub depth: u32,
-    /// Which of the wave's samples this is.
+    /// Its account among the wave's outcomes: its sample's, or one of its own once it has split.
     pub slot: u32,
     /// What the sample is expected to come to by the field's account, summed over the channels; 0 until
     /// the field was asked.
     pub expected: f32,
+    /// Into how many ways its sample would have been split by now, had all of them been split as often.
+    pub ways: u32,
     /// The path's standing (see [`super::roulette`]) when the field aimed it last; 1 until then.
     pub aimed_with: f32,
     /// Width of the ray's cone at its origin.
@@ -56,6 +59,7 @@ impl Path {
             eta: 1.0,
             depth: 0,
             expected: 0.0,
+            ways: 1,
             aimed_with: 1.0,
             slot,
             cone_width: camera.cone_width,
@@ -95,6 +99,7 @@ pub struct Wave {
     shadow_rays: Vec<Ray>,
     blocked: Vec<bool>,
     outcomes: Vec<Outcome>,
+    forks: Forks,
     rays_traced: u64,
 }
 
@@ -115,8 +120,10 @@ impl Wave {
         self.outcomes.push(Outcome::default());
     }
 
-    /// Traces all samples to their ends, watched by `witness` (`&mut ()` for nobody).
+    /// Traces all samples to their ends, watched by `witness` (`&mut ()` for nobody). The samples' outcomes
+    /// come first, in order; behind them those of ways that split off, which the samples' include.
     pub fn trace(&mut self, walk: &Walk, witness: &mut impl Witness) -> &[Outcome] {
+        self.forks.start(self.outcomes.len());
         while !self.paths.is_empty() {
             self.hits.resize(self.rays.len(), Hit::NONE);
             walk.scene.rays.intersect_batch(&self.rays, &mut self.hits);
@@ -124,6 +131,7 @@ impl Wave {
             self.advance(walk, witness);
             self.collect_light(walk.scene, witness);
         }
+        self.forks.settle(&mut self.outcomes);
         &self.outcomes
     }
 
@@ -144,7 +152,12 @@ impl Wave {
             }
             let path = &mut self.paths[i];
             let outcome = &mut self.outcomes[path.slot as usize];
-            let next = vertex::visit(walk, &self.rays[i], &self.hits[i], path, outcome, witness);
+            let watched = Watched {
+                outcome,
+                forks: &mut self.forks,
+                witness: &mut *witness,
+            };
+            let next = vertex::visit(walk, &self.rays[i], &self.hits[i], path, watched);
             if let Some((ray, shadow)) = next.shadow {
                 self.shadow_rays.push(ray);
                 self.shadows.push(shadow);
@@ -156,6 +169,12 @@ impl Wave {
         }
         self.paths.truncate(kept);
         self.rays.truncate(kept);
+        for (path, ray) in self.forks.take() {
+            self.paths.push(path);
+            self.rays.push(ray);
+        }
+        let accounts = self.forks.accounts();
+        self.outcomes.resize(accounts, Outcome::default());
     }
 
     /// Adds the light of all unblocked shadow rays.

@@ -48,6 +48,19 @@ impl PathSampler {
         }
     }
 
+    /// The numbers of a way that splits off here, one of several told apart by `number`: independent ones.
+    #[inline]
+    pub fn fork(&self, number: u32) -> Self {
+        let mut rng = self.rng;
+        let here = u64::from(rng.next_u32()) << 32 | u64::from(rng.next_u32());
+        let stream = hash_all([here, u64::from(self.index), u64::from(self.block)]);
+        Self {
+            rng: Pcg32::new(hash_all([stream, u64::from(number)]), stream),
+            block: u32::MAX,
+            ..*self
+        }
+    }
+
     /// The next four numbers, each in `[0, 1)`.
     #[inline]
     pub fn next4(&mut self) -> [f32; 4] {
@@ -82,6 +95,25 @@ mod tests {
                 }
             }
             assert!((sum / 65536.0).abs() < 4.0 / 256.0, "{shift:?} {sum}");
+        }
+    }
+
+    #[test]
+    fn forks_have_numbers_of_their_own_at_every_vertex() {
+        for mut s in [
+            PathSampler::independent(1, 2, 3),
+            PathSampler::sobol(1, 2, 3),
+        ] {
+            let mut drawn = Vec::new();
+            for _ in 0..3 {
+                for number in 1..4 {
+                    drawn.extend(s.fork(number).next4());
+                }
+                drawn.extend(s.next4());
+            }
+            drawn.sort_unstable_by(f32::total_cmp);
+            drawn.dedup();
+            assert_eq!(drawn.len(), 48);
         }
     }
 

@@ -1,6 +1,6 @@
 //! How long paths live.
 
-use crate::integrate::roulette::{by_field, by_throughput};
+use crate::integrate::roulette::{by_field, by_throughput, ways};
 use crate::integrate::wave::Path;
 use crate::math::{PathSampler, Rgb, Vec3};
 
@@ -14,6 +14,7 @@ fn path(throughput: Rgb, eta: f32) -> Path {
         depth: 7,
         light_chance: 1.0,
         expected: 0.0,
+        ways: 1,
         aimed_with: 1.0,
         slot: 0,
         cone_width: 0.0,
@@ -50,16 +51,14 @@ fn a_path_that_was_aimed_through_glass_is_not_ended_for_its_low_throughput() {
 fn by_the_field_a_path_lives_for_its_share_of_the_sample() {
     let mut p = path(Rgb::splat(1e-6), 1.0);
     // The first vertex sets what is expected; however dark the throughput, nothing is lost yet.
-    assert_eq!(by_field(&mut p, 6.0, Rgb::ZERO), 1.0);
+    assert_eq!(by_field(&mut p, 6.0), 1.0);
     assert_eq!(p.expected, 6.0);
-    // A third of the sample or more is worth going on for certain.
-    assert_eq!(by_field(&mut p, 2.0, Rgb::ZERO), 1.0);
-    assert_eq!(by_field(&mut p, 60.0, Rgb::ZERO), 1.0);
-    assert!((by_field(&mut p, 1.0, Rgb::ZERO) - 0.5).abs() < 1e-6);
-    // What the sample has already makes the rest matter less: 1 / (6 + 6) against 1/3.
-    assert!((by_field(&mut p, 1.0, Rgb::splat(2.0)) - 0.25).abs() < 1e-6);
+    // Half of the sample or more is worth going on for certain.
+    assert_eq!(by_field(&mut p, 3.0), 1.0);
+    assert_eq!(by_field(&mut p, 60.0), 1.0);
+    assert!((by_field(&mut p, 1.5) - 0.5).abs() < 1e-6);
     // The field may be wrong.
-    assert_eq!(by_field(&mut p, 0.0, Rgb::ZERO), 0.1);
+    assert_eq!(by_field(&mut p, 0.0), 0.1);
     assert_eq!(p.expected, 6.0, "what was expected stays");
 }
 
@@ -68,8 +67,32 @@ fn nonsense_from_a_field_never_ends_a_path() {
     for (expected, coming) in [(1.0, f32::NAN), (f32::INFINITY, f32::INFINITY)] {
         let mut p = path(Rgb::ONE, 1.0);
         p.expected = expected;
-        assert_eq!(by_field(&mut p, coming, Rgb::ZERO), 1.0);
+        assert_eq!(by_field(&mut p, coming), 1.0);
+        assert_eq!(ways(&p, coming), 1);
     }
+}
+
+#[test]
+fn a_path_worth_much_more_than_its_sample_is_split_into_ways_worth_twice_as_much_at_most() {
+    let mut p = path(Rgb::ONE, 1.0);
+    assert_eq!(ways(&p, 1e9), 1, "nothing is expected yet");
+    p.expected = 3.0;
+    for (coming, n) in [
+        (0.0, 1),
+        (6.0, 1),
+        (6.1, 2),
+        (12.0, 2),
+        (13.0, 3),
+        (1e9, 32),
+    ] {
+        assert_eq!(ways(&p, coming), n, "{coming}");
+    }
+    for (so_far, n) in [(2, 16), (5, 6), (20, 1), (32, 1), (33, 1)] {
+        p.ways = so_far;
+        assert_eq!(ways(&p, 1e30), n, "{so_far}");
+    }
+    // No way is in danger of roulette at once.
+    assert_eq!(by_field(&mut p, 6.1 / 2.0), 1.0);
 }
 
 /// Dividing by the chance makes up for the paths that ended.
@@ -82,14 +105,14 @@ fn what_survives_stands_for_what_does_not() {
         let u = sampler.next4();
         let mut p = path(Rgb::splat(0.3), 1.0);
         p.expected = 10.0;
-        let by = [by_throughput(&p), by_field(&mut p, 0.7, Rgb::ONE)];
+        let by = [by_throughput(&p), by_field(&mut p, 1.4)];
         for ((sum, chance), u) in sums.iter_mut().zip(by).zip(u) {
             if u < chance {
                 *sum += f64::from(1.0 / chance);
             }
         }
     }
-    for (sum, chance) in sums.iter().zip([0.3f64, 0.7 / 13.0 * 3.0]) {
+    for (sum, chance) in sums.iter().zip([0.3f64, 1.4 / 10.0 * 2.0]) {
         // The variance of each term is 1 / chance - 1: four deviations of their mean.
         let bound = 4.0 * ((1.0 / chance - 1.0) / f64::from(n)).sqrt();
         assert!((sum / f64::from(n) - 1.0).abs() < bound, "{sum}");
