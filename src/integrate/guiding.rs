@@ -88,8 +88,8 @@ pub fn is_guidable(bsdf: &Bsdf) -> bool {
 }
 
 /// Whether what a surface reflects follows from the irradiance. A floor of roughness 0.1 mirrors a bright gap
-/// of a door to some eyes; paths that came from there were ended nine times in ten, and a tenth of all
-/// variance was theirs.
+/// of a door to some eyes; paths that came from there were ended nine times in ten (relative variance of a
+/// sample in veach-ajar 7.0, now 6.0). Guarded by `roulette_does_not_judge_a_glossy_floor_by_its_irradiance`.
 #[inline]
 fn is_matt(bsdf: &Bsdf) -> bool {
     bsdf.roughness() >= MATT && !bsdf.flags().has(LobeFlags::DELTA)

@@ -13,9 +13,10 @@ use super::wave::Path;
 
 /// Roulette lets no path live more often than this, so that paths between mirrors end (Mitsuba's bound).
 pub const MAX_SURVIVAL: f32 = 0.95;
-/// A guided path goes on for certain when it brings this share of its sample, or more. Variance times rays
-/// for windows from here to [`MOST_SHARE`] of 1/3 to 2 (and to nothing), 0.6 to 2, 0.75 to 3, 1 to 2: veach-ajar
-/// 39 (46), 38, 39, 39; a kitchen 69 (69), 71, 71, 77; a Cornell box 1.6 (1.6), 1.7, 1.9, 2.0.
+/// A guided path goes on for certain when it brings this share of its sample, or more: the lower edge of a
+/// window whose upper one is [`MOST_SHARE`]. Variance times rays of windows in veach-ajar, a kitchen, a Cornell
+/// box: 1/3 and no splitting 44, 77, 1.6; 1/3 to 2 40, 78, 1.6; 0.5 to 2 38, 71, 1.6; 0.75 to 1.5 37, 69, 1.8;
+/// 1 to 2 39, 77, 2.0.
 const CERTAIN_SHARE: f32 = 0.5;
 /// The field may be wrong: no guided path ends more often than nine times in ten. (0.3 takes the same work.)
 const MIN_SURVIVAL: f32 = 0.1;
