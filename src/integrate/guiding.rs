@@ -89,9 +89,9 @@ pub fn is_guidable(bsdf: &Bsdf) -> bool {
 
 /// Whether what a surface reflects follows from the irradiance. A floor of roughness 0.1 mirrors a bright gap
 /// of a door to some eyes; paths that came from there were ended nine times in ten (relative variance of a
-/// sample in veach-ajar 7.0, now 6.0). Guarded by `roulette_does_not_judge_a_glossy_floor_by_its_irradiance`.
+/// sample in veach-ajar 7.0, now 6.0). Guarded by `irradiance_speaks_for_matt_surfaces_alone`.
 #[inline]
-fn is_matt(bsdf: &Bsdf) -> bool {
+pub(super) fn is_matt(bsdf: &Bsdf) -> bool {
     bsdf.roughness() >= MATT && !bsdf.flags().has(LobeFlags::DELTA)
 }
 

@@ -1,4 +1,5 @@
 //! Tests of what camera paths tell and how long they live.
 
+mod guiding;
 mod record;
 mod roulette;

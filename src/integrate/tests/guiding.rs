@@ -1,0 +1,39 @@
+//! Where the field may speak for a surface.
+
+use crate::bsdf::material::{Distribution, Roughness};
+use crate::bsdf::{Material, Materials};
+use crate::integrate::guiding::is_matt;
+use crate::math::{Rgb, Vec2, Vec3};
+use crate::texture::{SurfacePoint, Texture};
+
+fn matt(material: Material) -> bool {
+    let mut materials = Materials::default();
+    let id = materials.push(material);
+    let wo = Vec3::new(0.6, 0.0, 0.8);
+    is_matt(&materials.resolve(id, &SurfacePoint::at_uv(Vec2::ZERO), wo))
+}
+
+fn metal(alpha: f32) -> Material {
+    let grey = |v| Texture::Constant(Rgb::splat(v));
+    Material::RoughConductor {
+        eta: grey(0.2),
+        k: grey(3.9),
+        roughness: Roughness {
+            distribution: Distribution::Ggx,
+            alpha_u: grey(alpha),
+            alpha_v: grey(alpha),
+        },
+        specular_reflectance: grey(1.0),
+    }
+}
+
+/// Irradiance says what a wall reflects, not what a floor mirrors.
+#[test]
+fn irradiance_speaks_for_matt_surfaces_alone() {
+    let wall = Material::Diffuse {
+        reflectance: Texture::Constant(Rgb::splat(0.5)),
+    };
+    assert!(matt(wall));
+    assert!(matt(metal(0.7)));
+    assert!(!matt(metal(0.1)));
+}
