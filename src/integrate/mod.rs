@@ -4,12 +4,13 @@
 //! samples travel together as a [`wave`], one bounce at a time, so that the ray tracer gets rays in
 //! bulk (packets) and the same code runs over many vertices in a row. What happens at a vertex
 //! (emission, next-event estimation and BSDF sampling joined by multiple importance sampling, Russian
-//! roulette) is in [`vertex`].
+//! roulette) is in [`vertex`]; what is worth more than expected goes on in several ways ([`forks`]).
 //!
 //! Each sample's numbers come from `(seed, pixel, sample)` alone and each pixel's sum is taken in sample
 //! order, so neither the tiles nor the threads can change a bit of the image.
 
 pub mod cells;
+mod emission;
 pub mod extend;
 pub mod forks;
 pub mod guiding;

@@ -1,5 +1,6 @@
 //! One vertex of a camera path.
 
+use super::emission::{add_emission, add_environment};
 use super::forks::Forks;
 use super::guiding::{Guidance, GuidedVertex, facing, is_guidable};
 use super::record::{Arrival, Departure, Onward, Witness};
@@ -192,63 +193,6 @@ struct Vertex<'v, 's> {
     wo: Vec3,
     /// Directions in which the path goes on.
     ways: u32,
-}
-
-/// Adds what shines from outside the scene.
-///
-/// MIS weighs light that the path met by itself against next-event estimation, which would have drawn it
-/// with the density that the lights tell. What no light sample can find (through a delta lobe, or straight
-/// from the camera) counts in full, and its density is not asked for.
-fn add_environment(
-    scene: &Scene,
-    settings: &PathSettings,
-    ray: &Ray,
-    path: &Path,
-    outcome: &mut Outcome,
-) {
-    let hidden = path.depth == 0 && settings.hide_emitters;
-    if hidden || !scene.lights.has_environment() {
-        return;
-    }
-    let lights = &scene.lights;
-    let (radiance, weight) = if path.pdf.is_finite() {
-        let (radiance, pdf) = lights.environment_pdf(path.from, path.from_normal, ray.dir);
-        (radiance, power_heuristic(path.pdf, pdf * path.light_chance))
-    } else {
-        (lights.environment(ray.dir), 1.0)
-    };
-    if radiance == Rgb::ZERO {
-        return;
-    }
-    outcome.radiance += path.throughput * radiance * weight;
-}
-
-/// Adds what the surface itself emits, weighed as above.
-fn add_emission(
-    scene: &Scene,
-    settings: &PathSettings,
-    emitter: u32,
-    point: &SurfacePoint,
-    wo: Vec3,
-    path: &Path,
-    outcome: &mut Outcome,
-) {
-    if path.depth == 0 && settings.hide_emitters {
-        return;
-    }
-    let radiance = scene.lights.emitted(emitter, point, wo);
-    if radiance == Rgb::ZERO {
-        return;
-    }
-    let weight = if path.pdf.is_finite() {
-        let (from, n) = (path.from, path.from_normal);
-        let lights = &scene.lights;
-        let pdf = lights.pdf_area(from, n, emitter, point.prim, point.p, point.ng);
-        power_heuristic(path.pdf, pdf * path.light_chance)
-    } else {
-        1.0
-    };
-    outcome.radiance += path.throughput * radiance * weight;
 }
 
 /// Whether geometric and shading normal disagree about the side `w` is on.

@@ -1,0 +1,66 @@
+//! Light that a path meets by itself.
+//!
+//! MIS weighs it against next-event estimation, which would have drawn it with the density that the lights
+//! tell. What no light sample can find (through a delta lobe, or straight from the camera) counts in full,
+//! and its density is not asked for.
+
+use super::PathSettings;
+use super::wave::{Outcome, Path};
+use crate::accel::Ray;
+use crate::math::mis::power_heuristic;
+use crate::math::{Rgb, Vec3};
+use crate::scene::Scene;
+use crate::texture::SurfacePoint;
+
+/// Adds what shines from outside the scene.
+pub(super) fn add_environment(
+    scene: &Scene,
+    settings: &PathSettings,
+    ray: &Ray,
+    path: &Path,
+    outcome: &mut Outcome,
+) {
+    let hidden = path.depth == 0 && settings.hide_emitters;
+    if hidden || !scene.lights.has_environment() {
+        return;
+    }
+    let lights = &scene.lights;
+    let (radiance, weight) = if path.pdf.is_finite() {
+        let (radiance, pdf) = lights.environment_pdf(path.from, path.from_normal, ray.dir);
+        (radiance, power_heuristic(path.pdf, pdf * path.light_chance))
+    } else {
+        (lights.environment(ray.dir), 1.0)
+    };
+    if radiance == Rgb::ZERO {
+        return;
+    }
+    outcome.radiance += path.throughput * radiance * weight;
+}
+
+/// Adds what the surface itself emits.
+pub(super) fn add_emission(
+    scene: &Scene,
+    settings: &PathSettings,
+    emitter: u32,
+    point: &SurfacePoint,
+    wo: Vec3,
+    path: &Path,
+    outcome: &mut Outcome,
+) {
+    if path.depth == 0 && settings.hide_emitters {
+        return;
+    }
+    let radiance = scene.lights.emitted(emitter, point, wo);
+    if radiance == Rgb::ZERO {
+        return;
+    }
+    let weight = if path.pdf.is_finite() {
+        let (from, n) = (path.from, path.from_normal);
+        let lights = &scene.lights;
+        let pdf = lights.pdf_area(from, n, emitter, point.prim, point.p, point.ng);
+        power_heuristic(path.pdf, pdf * path.light_chance)
+    } else {
+        1.0
+    };
+    outcome.radiance += path.throughput * radiance * weight;
+}
