@@ -132,7 +132,8 @@ pub fn visit(
         radiance: outcome.radiance,
     };
     let shadow = sample_light(walk, &vertex, path, [block[0], block[1], block[2]]);
-    vertex.ways = ways(settings, &vertex, path);
+    let coming = coming(settings, &vertex, path.throughput);
+    vertex.ways = coming.map_or(1, |coming| roulette::ways(path, coming));
     let mut go = |path: &mut Path, arrival: &Arrival| {
         scatter(settings, &vertex, path, block[3], arrival, hit.t, witness)
     };
@@ -144,16 +145,15 @@ pub fn visit(
     Next { ray, shadow }
 }
 
-/// How many ways the path goes on by the field's account. Where the field cannot tell: one.
+/// What a path that came with this throughput will bring by the field's account, if the field can tell and is
+/// to be asked.
 #[inline]
-fn ways(settings: &PathSettings, vertex: &Vertex, path: &Path) -> u32 {
+fn coming(settings: &PathSettings, vertex: &Vertex, throughput: Rgb) -> Option<f32> {
     if settings.roulette != Roulette::Field {
-        return 1;
+        return None;
     }
-    let reflected = vertex.guided.and_then(GuidedVertex::reflected);
-    reflected.map_or(1, |r| {
-        roulette::ways(path, (path.throughput * r).element_sum())
-    })
+    let reflected = vertex.guided?.reflected()?;
+    Some((throughput * reflected).element_sum())
 }
 
 /// Lets a path `go` on in several ways, each with its share of the throughput. The path itself takes the
@@ -344,9 +344,8 @@ fn go_on(
     }
     path.eta *= sample.eta;
     let by_field = guided.filter(|_| settings.roulette == Roulette::Field);
-    let known = by_field.and_then(GuidedVertex::reflected);
-    let survival = match known {
-        Some(reflected) => roulette::by_field(path, (arrival.throughput * reflected).element_sum()),
+    let survival = match coming(settings, vertex, arrival.throughput) {
+        Some(coming) => roulette::by_field(path, coming),
         None if path.depth < settings.rr_depth => 1.0,
         None if by_field.is_some() => roulette::MAX_SURVIVAL,
         None => roulette::by_throughput(path),
