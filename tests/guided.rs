@@ -18,8 +18,8 @@ use twintree::math::{Affine3A, Rgb, Vec3};
 use twintree::photon::PhotonSettings;
 use twintree::photon::schedule::Budget;
 
-/// A closed room lit by a lamp that shines at the ceiling, with a metal ball and a glass one: light
-/// arrives indirectly, off rough metal, and focused through glass.
+/// A closed room lit by a lamp that shines at the ceiling, with a metal ball, a glass one and a varnished one:
+/// light arrives indirectly, off rough metal, focused through glass, and mirrored by what is also matt.
 fn room() -> Built {
     let mut maker = SceneMaker::new(
         Vec3::new(0.0, 0.0, -0.9),
@@ -46,6 +46,13 @@ fn room() -> Built {
         specular_transmittance: grey(1.0),
     });
     maker.sphere(Vec3::new(0.45, -0.7, 0.3), 0.3, glass, None, false);
+    let varnish = maker.material(Material::Plastic {
+        eta: 1.5,
+        diffuse_reflectance: grey(0.5),
+        specular_reflectance: grey(1.0),
+        nonlinear: false,
+    });
+    maker.sphere(Vec3::new(0.0, -0.8, 0.7), 0.2, varnish, None, false);
     let black = maker.diffuse(0.0);
     // Faces up, towards the ceiling.
     let up = Affine3A::from_translation(Vec3::new(0.0, 0.3, 0.2))

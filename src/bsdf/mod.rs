@@ -69,6 +69,7 @@ pub struct BsdfSample {
     pub lobe: LobeFlags,
 }
 
+mod apart;
 mod facet_albedo;
 mod fresnel;
 mod layer;
@@ -84,6 +85,7 @@ mod resolve;
 mod transmittance;
 mod tree;
 
+pub use apart::{Apart, Rest};
 pub use material::Material;
 pub use materials::Materials;
 

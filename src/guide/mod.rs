@@ -152,6 +152,10 @@
 //!   7.9 instead of 6.7 rays a path. Paths that bring more than twice what was expected are split, and others
 //!   ended a little sooner: 4.7 for 8.0 rays; a kitchen 11.9 for 5.9 rays instead of 13.8 for 5.2. (A table of
 //!   windows is in `integrate/roulette.rs`.)
+//! * **A delta lobe and the rest are both followed.** A path aimed at the sun's image in varnish was one in twenty
+//!   to meet it, and twenty times too bright. Relative variance, worst pixels included, of a glass caustic 5.3
+//!   instead of 18, of lux-pool 51 instead of 384, for up to half as many rays again; without the worst 0.1 % a
+//!   kitchen 8.4 instead of 11.7 (`integrate/lots.rs`).
 //! * **Light samples only where they bring light.** [`Fractions`] learns per cell how often. The rays of a
 //!   path fall from 7.5 to 6.9 in veach-ajar, 7.0 to 6.2 in lux-pool, 6.0 to 5.5 in a kitchen, and the
 //!   variance stays.

@@ -6,8 +6,10 @@
 //! its siblings: that is what lessons are made of. At the end all accounts are paid into those of the paths
 //! that they split off from.
 
+use super::record::Arrival;
 use super::wave::{Outcome, Path};
 use crate::accel::Ray;
+use crate::math::Rgb;
 
 /// The accounts of a wave beyond its samples, and the ways that wait for the next bounce.
 #[derive(Default)]
@@ -39,6 +41,40 @@ impl Forks {
         self.samples as usize + self.parents.len()
     }
 
+    /// A way that splits off a path, with an account of its own and numbers of its own.
+    #[inline]
+    pub fn branch(&mut self, path: &Path, way: u32) -> Path {
+        Path {
+            slot: self.open(path.slot),
+            sampler: path.sampler.fork(way),
+            ..*path
+        }
+    }
+
+    /// Lets a path `go` on in several ways, each with its share of the throughput. The path itself takes the
+    /// first, with an account of its own like the others.
+    pub fn split(
+        &mut self,
+        ways: u32,
+        path: &mut Path,
+        mut go: impl FnMut(&mut Path, &Arrival) -> Option<Ray>,
+    ) -> Option<Ray> {
+        path.throughput /= ways as f32;
+        path.ways *= ways;
+        let arrival = Arrival {
+            throughput: path.throughput,
+            radiance: Rgb::ZERO,
+        };
+        for i in 1..ways {
+            let mut way = self.branch(path, i);
+            if let Some(ray) = go(&mut way, &arrival) {
+                self.push(way, ray);
+            }
+        }
+        path.slot = self.open(path.slot);
+        go(path, &arrival)
+    }
+
     /// Keeps a way for the next bounce.
     #[inline]
     pub fn push(&mut self, path: Path, ray: Ray) {
@@ -64,7 +100,6 @@ impl Forks {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Rgb;
 
     #[test]
     fn what_came_along_ways_of_ways_reaches_the_sample() {

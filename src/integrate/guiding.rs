@@ -5,7 +5,7 @@
 //! sampling with the balance heuristic). Next-event estimation is joined to that mixture. The field
 //! shapes densities only: whatever it says, the expected image is the same.
 
-use crate::bsdf::{Bsdf, BsdfSample, LobeFlags, Transport};
+use crate::bsdf::{Bsdf, BsdfSample, LobeFlags, Rest, Transport};
 use crate::guide::gmm::{LocalMixture, Mixtures};
 use crate::guide::{Chances, Field, Fractions, GuideSample, LocalField};
 use crate::math::rng::BELOW_ONE;
@@ -79,6 +79,8 @@ pub struct GuidedVertex<'a> {
     chances: Chances,
     /// Radiance that the surface is expected to reflect, where it is matt.
     reflected: Option<Rgb>,
+    /// The lobes that are sampled here: all, or all but a delta lobe.
+    lobes: Rest,
 }
 
 /// Whether a field could serve a material at all: some lobe is smooth and none too narrow.
@@ -151,6 +153,7 @@ impl<'a> Guidance<'a> {
             local,
             chances,
             reflected: is_matt(bsdf).then(|| bsdf.albedo() * irradiance * FRAC_1_PI),
+            lobes: Rest::ALL,
         })
     }
 }
@@ -180,6 +183,12 @@ impl Guide {
 }
 
 impl GuidedVertex<'_> {
+    /// The same for some of the material's lobes alone, because the others are followed anyway.
+    #[inline]
+    pub fn among(self, lobes: Rest) -> Self {
+        Self { lobes, ..self }
+    }
+
     /// Radiance that the surface is expected to reflect: what roulette goes by. None where some lobe is
     /// narrow: the field's mean over directions says nothing about what shines in it.
     #[inline]
@@ -208,7 +217,14 @@ impl GuidedVertex<'_> {
     /// Density of the mixture for a direction to which the BSDF gives `bsdf_pdf`.
     #[inline]
     pub fn pdf(&self, wi: Vec3, bsdf_pdf: f32) -> f32 {
-        self.chances.field * self.local.pdf(wi) + (1.0 - self.chances.field) * bsdf_pdf
+        self.mixture(self.local.pdf(wi), bsdf_pdf)
+    }
+
+    /// Density of the mixture from those of its parts.
+    #[inline]
+    fn mixture(&self, field: f32, bsdf: f32) -> f32 {
+        let share = self.chances.field;
+        share * field + (1.0 - share) * bsdf / self.lobes.chance
     }
 
     /// Draws a direction from the mixture. `u` are four uniform numbers.
@@ -220,10 +236,11 @@ impl GuidedVertex<'_> {
         }
         let share = 1.0 - self.chances.field;
         let u_lobe = ((u[0] - self.chances.field) / share).min(BELOW_ONE);
+        let u_lobe = self.lobes.choose(u_lobe);
         let mut sample = bsdf.sample(wo, u_lobe, Vec2::new(u[1], u[2]), Transport::Radiance)?;
         if sample.lobe.has(LobeFlags::DELTA) {
-            sample.weight /= share;
-            sample.pdf *= share;
+            sample.weight *= self.lobes.chance / share;
+            sample.pdf *= share / self.lobes.chance;
             return Some(sample);
         }
         let pdf = self.pdf(sample.wi, sample.pdf);
@@ -238,7 +255,7 @@ impl GuidedVertex<'_> {
         if value == Rgb::ZERO {
             return None;
         }
-        let pdf = self.chances.field * drawn.pdf + (1.0 - self.chances.field) * bsdf_pdf;
+        let pdf = self.mixture(drawn.pdf, bsdf_pdf);
         // Guided directions cross no interface that would scale the throughput's eta: a transmitted
         // direction of a rough interface keeps roulette a little shorter-lived, which is unbiased.
         Some(BsdfSample {

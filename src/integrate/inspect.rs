@@ -79,15 +79,18 @@ pub fn trace_sample(view: &View, [x, y]: [u32; 2], sample: u64) -> Traced {
     let mut next = vec![(path, camera.ray)];
     // All ways together, bounce by bounce, as in a wave.
     while !next.is_empty() {
-        let mut onward = Vec::new();
+        let (mut onward, mut lit) = (Vec::new(), Vec::new());
         for (mut path, ray) in next {
             let outcome = &mut outcomes[path.slot as usize];
-            if let Some(ray) = step(view, &ray, &mut path, outcome, &mut forks, &mut steps) {
-                onward.push((path, ray));
-            }
+            let next = step(view, &ray, &mut path, outcome, &mut forks, &mut steps);
+            lit.extend(next.shadow);
+            onward.extend(next.ray.map(|ray| (path, ray)));
         }
         onward.extend(forks.take());
         outcomes.resize(forks.accounts(), Outcome::default());
+        for (slot, radiance) in lit {
+            outcomes[slot as usize].radiance += radiance;
+        }
         next = onward;
     }
     forks.settle(&mut outcomes);
@@ -143,7 +146,13 @@ pub fn teach_until(view: &View, learner: &mut Learner, spp: u64, sample: u64) {
     teach(&job, learner, &mut film, &limits, &|| Duration::ZERO);
 }
 
-/// One edge: the next ray, or none.
+/// The next ray, and the light that a light sample brought to an account.
+struct Onward {
+    ray: Option<Ray>,
+    shadow: Option<(u32, Rgb)>,
+}
+
+/// One edge.
 fn step(
     view: &View,
     ray: &Ray,
@@ -151,7 +160,7 @@ fn step(
     outcome: &mut Outcome,
     forks: &mut Forks,
     steps: &mut Vec<Step>,
-) -> Option<Ray> {
+) -> Onward {
     let rays = &view.scene.rays;
     // By the batch query, as in a render: a ray of a packet may differ from a single one in the last bit.
     let mut hit = [Hit::NONE];
@@ -170,13 +179,11 @@ fn step(
     let light = next.shadow.map(|(shadow, brought)| {
         let mut blocked = [false];
         rays.occluded_batch(&[shadow], &mut blocked);
-        if !blocked[0] {
-            outcome.radiance += brought.radiance;
-        }
-        LightBrought {
+        let light = LightBrought {
             radiance: brought.radiance,
             blocked: blocked[0],
-        }
+        };
+        (brought.slot, light)
     });
     steps.push(Step {
         way,
@@ -185,7 +192,11 @@ fn step(
         throughput,
         pdf,
         met,
-        light,
+        light: light.map(|(_, light)| light),
     });
-    next.ray
+    let arrived = light.filter(|(_, light)| !light.blocked);
+    Onward {
+        ray: next.ray,
+        shadow: arrived.map(|(slot, light)| (slot, light.radiance)),
+    }
 }

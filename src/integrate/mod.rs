@@ -18,6 +18,8 @@ pub mod importance;
 pub mod inspect;
 pub mod learn;
 pub mod learn_gmm;
+mod lots;
+mod next_event;
 pub mod probe;
 pub mod record;
 pub mod render;

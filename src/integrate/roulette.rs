@@ -23,7 +23,7 @@ const MIN_SURVIVAL: f32 = 0.1;
 /// A way of a path that was split brings this many times what its sample was expected to come to, at most.
 const MOST_SHARE: f32 = 2.0;
 /// No sample is split into more ways, whatever a field says.
-const MOST_WAYS: u32 = 32;
+pub(super) const MOST_WAYS: u32 = 32;
 
 /// What the chance of a guided path to go on is decided by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

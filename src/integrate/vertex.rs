@@ -3,31 +3,19 @@
 use super::emission::{add_emission, add_environment};
 use super::forks::Forks;
 use super::guiding::{Guidance, GuidedVertex, facing, is_guidable};
+use super::lots;
+use super::next_event::{ShadowRay, crosses, sample_light};
 use super::record::{Arrival, Departure, Onward, Witness};
 use super::roulette;
 use super::wave::{FirstHit, Outcome, Path};
 use super::{PathSettings, Roulette};
 use crate::accel::{Hit, Ray};
-use crate::bsdf::{Bsdf, BsdfSample, LobeFlags, Transport};
-use crate::math::mis::power_heuristic;
-use crate::math::offset::{gamma, offset_origin};
-use crate::math::rng::BELOW_ONE;
+use crate::bsdf::{Bsdf, BsdfSample, LobeFlags, Rest, Transport};
+use crate::math::offset::offset_origin;
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::scene::Scene;
 use crate::scene::surface::DARK;
 use crate::texture::SurfacePoint;
-
-/// A shadow ray stops this much short of the light, relative to the distance, so as not to meet the
-/// light's own surface. An occluder closer to the light than this is not seen.
-const SHADOW_MARGIN: f32 = 1e-4;
-/// Light that a sample receives if nothing is in between.
-#[derive(Clone, Copy, Debug)]
-pub struct ShadowRay {
-    /// The account of the path that sampled it.
-    pub slot: u32,
-    /// Throughput, BSDF, light and MIS weight multiplied out.
-    pub radiance: Rgb,
-}
 
 /// How a path goes on.
 #[derive(Clone, Copy, Debug)]
@@ -118,12 +106,19 @@ pub fn visit(
             return Next::END;
         }
     }
-    let guided = guide.and_then(|g| g.at(&point, &bsdf, wo, path.throughput));
+    let mut guided = guide.and_then(|g| g.at(&point, &bsdf, wo, path.throughput));
+    if guided.is_some() {
+        path.lots = lots::AIMED;
+    }
+    let apart = lots::apart(path, guided.is_some(), &bsdf, wo);
+    let lobes = apart.map_or(Rest::ALL, |apart| apart.rest);
+    guided = guided.map(|g| g.among(lobes));
     let mut vertex = Vertex {
         point: &point,
         bsdf: &bsdf,
         guided: guided.as_ref(),
         wo,
+        lobes,
         ways: 1,
     };
     let block = path.sampler.next4();
@@ -134,14 +129,28 @@ pub fn visit(
     let shadow = sample_light(walk, &vertex, path, [block[0], block[1], block[2]]);
     let coming = coming(settings, &vertex, path.throughput);
     vertex.ways = coming.map_or(1, |coming| roulette::ways(path, coming));
-    let mut go = |path: &mut Path, arrival: &Arrival| {
-        scatter(settings, &vertex, path, block[3], arrival, hit.t, witness)
+    let mut go = |path: &mut Path, arrival: &Arrival, lobe: Option<BsdfSample>| {
+        let onward = go_on(settings, &vertex, path, lobe, block[3], arrival);
+        if lobe.is_none() {
+            watch(&vertex, path, arrival, onward.as_ref(), witness);
+        }
+        leave(&vertex, path, &onward?.0, hit.t)
     };
-    let ray = if vertex.ways > 1 {
-        split(vertex.ways, path, forks, &mut go)
+    let (ray, account) = if let Some(apart) = &apart {
+        let ray = lots::by_lobe(apart, guided.is_some(), path, forks, arrival, &mut go);
+        // The light that was sampled belongs to the rest of the lobes.
+        (ray, path.slot)
+    } else if vertex.ways > 1 {
+        let account = path.slot;
+        let ray = forks.split(vertex.ways, path, |path, arrival| go(path, arrival, None));
+        (ray, account)
     } else {
-        go(path, &arrival)
+        (go(path, &arrival, None), path.slot)
     };
+    let shadow = shadow.map(|(ray, radiance)| {
+        let slot = account;
+        (ray, ShadowRay { slot, radiance })
+    });
     Next { ray, shadow }
 }
 
@@ -156,145 +165,22 @@ fn coming(settings: &PathSettings, vertex: &Vertex, throughput: Rgb) -> Option<f
     Some((throughput * reflected).element_sum())
 }
 
-/// Lets a path `go` on in several ways, each with its share of the throughput. The path itself takes the
-/// first, with an account of its own like the others.
-fn split(
-    ways: u32,
-    path: &mut Path,
-    forks: &mut Forks,
-    go: &mut impl FnMut(&mut Path, &Arrival) -> Option<Ray>,
-) -> Option<Ray> {
-    let parent = path.slot;
-    path.throughput /= ways as f32;
-    path.ways *= ways;
-    let arrival = Arrival {
-        throughput: path.throughput,
-        radiance: Rgb::ZERO,
-    };
-    for i in 1..ways {
-        let mut way = Path {
-            slot: forks.open(parent),
-            sampler: path.sampler.fork(i),
-            ..*path
-        };
-        if let Some(ray) = go(&mut way, &arrival) {
-            forks.push(way, ray);
-        }
-    }
-    path.slot = forks.open(parent);
-    go(path, &arrival)
-}
-
 /// What is known at a vertex.
-struct Vertex<'v, 's> {
-    point: &'v SurfacePoint<'s>,
-    bsdf: &'v Bsdf,
-    guided: Option<&'v GuidedVertex<'s>>,
-    wo: Vec3,
+pub(super) struct Vertex<'v, 's> {
+    pub point: &'v SurfacePoint<'s>,
+    pub bsdf: &'v Bsdf,
+    pub guided: Option<&'v GuidedVertex<'s>>,
+    pub wo: Vec3,
+    /// The lobes among which the path's own direction is drawn.
+    lobes: Rest,
     /// Directions in which the path goes on.
     ways: u32,
 }
 
-/// Whether geometric and shading normal disagree about the side `w` is on.
+/// The ray along a sampled direction.
 #[inline]
-fn crosses(point: &SurfacePoint, w: Vec3) -> bool {
-    point.ng.dot(w) * point.frame.n.dot(w) <= 0.0
-}
-
-/// Next-event estimation: a shadow ray with the light it would bring, if there is one. With a guide it is
-/// left out where it seldom brings any.
-#[inline]
-fn sample_light(
-    walk: &Walk,
-    vertex: &Vertex,
-    path: &mut Path,
-    u: [f32; 3],
-) -> Option<(Ray, ShadowRay)> {
-    let Walk {
-        scene, settings, ..
-    } = *walk;
-    let Vertex {
-        point,
-        bsdf,
-        guided,
-        wo,
-        ..
-    } = *vertex;
-    path.light_chance = guided.map_or(1.0, GuidedVertex::light_chance);
-    if !bsdf.flags().has(LobeFlags::SMOOTH) {
-        path.from_normal = Vec3::ZERO;
-        return None;
-    }
-    path.from_normal = bsdf.light_normal(wo);
-    if u[0] >= path.light_chance {
-        return None;
-    }
-    let u = [(u[0] / path.light_chance).min(BELOW_ONE), u[1], u[2]];
-    let light = scene.lights.sample(point.p, path.from_normal, u)?;
-    if settings.strict_normals && (crosses(point, light.dir) || crosses(point, wo)) {
-        return None;
-    }
-    let (f, bsdf_pdf) = bsdf.eval_pdf(wo, light.dir, Transport::Radiance);
-    if f == Rgb::ZERO {
-        return None;
-    }
-    let light_pdf = light.pdf * path.light_chance;
-    let weight = if light.delta {
-        1.0
-    } else {
-        let pdf = guided.map_or(bsdf_pdf, |g| g.pdf(light.dir, bsdf_pdf));
-        power_heuristic(light_pdf, pdf)
-    };
-    // Large BSDFs (narrow lobes) meet small weights before bright lights: the other order overflows (S8).
-    let radiance = path.throughput * (f * (weight / light_pdf)) * light.radiance;
-    let org = offset_origin(point.p, point.error, point.ng, light.dir);
-    let ray = if light.distance.is_finite() {
-        shadow_ray(org, point.p + light.dir * light.distance)
-    } else {
-        Ray::new(org, light.dir)
-    };
-    Some((
-        ray,
-        ShadowRay {
-            slot: path.slot,
-            radiance,
-        },
-    ))
-}
-
-/// A ray that ends just before a place on a light.
-///
-/// It runs through that place, not along the direction in which the light was sampled: beside that, by the
-/// offset of its origin, it meets a light that it grazes earlier than its margin allows (a lamp that
-/// touches the ceiling lost 3 % of its light around the touch).
-#[inline]
-fn shadow_ray(org: Vec3, light: Vec3) -> Ray {
-    let to = light - org;
-    let distance = to.length();
-    let mut ray = Ray::new(org, to / distance.max(f32::MIN_POSITIVE));
-    let rounding = 4.0 * gamma(7) * org.abs().max_element();
-    ray.tmax = distance * (1.0 - SHADOW_MARGIN) - rounding;
-    ray
-}
-
-/// Samples the BSDF, or the mixture of BSDF and field, and plays roulette: the next ray, or none.
-#[inline]
-fn scatter(
-    settings: &PathSettings,
-    vertex: &Vertex,
-    path: &mut Path,
-    u_roulette: f32,
-    arrival: &Arrival,
-    distance: f32,
-    witness: &mut impl Witness,
-) -> Option<Ray> {
-    let onward = go_on(settings, vertex, path, u_roulette, arrival);
-    let delta = |sample: &BsdfSample| sample.lobe.has(LobeFlags::DELTA);
-    // A delta lobe was chosen: no smooth direction was. That counts as a vertex without one.
-    let smooth = onward.as_ref().filter(|o| !delta(&o.0));
-    watch(vertex, path, arrival, smooth, witness);
-    let (sample, _) = onward?;
-    let delta = delta(&sample);
+fn leave(vertex: &Vertex, path: &mut Path, sample: &BsdfSample, distance: f32) -> Option<Ray> {
+    let delta = sample.lobe.has(LobeFlags::DELTA);
     let Vertex { point, bsdf, .. } = *vertex;
     path.pdf = if delta { f32::INFINITY } else { sample.pdf };
     path.from = point.p;
@@ -308,13 +194,14 @@ fn scatter(
     ))
 }
 
-/// The next direction and the chance with which roulette let the path take it, both already part of the
-/// throughput.
+/// The next direction, of the BSDF or of the mixture of BSDF and field unless it is known already (`lobe`), and
+/// the chance with which roulette let the path take it, both already part of the throughput.
 #[inline]
 fn go_on(
     settings: &PathSettings,
     vertex: &Vertex,
     path: &mut Path,
+    lobe: Option<BsdfSample>,
     u_roulette: f32,
     arrival: &Arrival,
 ) -> Option<(BsdfSample, f32)> {
@@ -327,11 +214,13 @@ fn go_on(
     } = *vertex;
     let block = path.sampler.next4();
     path.depth += 1;
-    let sample = match guided {
-        Some(guided) => guided.sample(bsdf, wo, block)?,
-        None => {
+    let sample = match (lobe, guided) {
+        (Some(lobe), _) => lobe,
+        (None, Some(guided)) => guided.sample(bsdf, wo, block)?,
+        (None, None) => {
             let u = Vec2::new(block[1], block[2]);
-            bsdf.sample(wo, block[0], u, Transport::Radiance)?
+            let u_lobe = vertex.lobes.choose(block[0]);
+            bsdf.sample(wo, u_lobe, u, Transport::Radiance)?
         }
     };
     if settings.strict_normals && (crosses(point, sample.wi) || crosses(point, wo)) {
@@ -372,6 +261,8 @@ fn watch<W: Witness>(
     if !W::WATCHES || !is_guidable(vertex.bsdf) {
         return;
     }
+    // A delta lobe was chosen: no smooth direction was. That counts as a vertex without one.
+    let onward = onward.filter(|o| !o.0.lobe.has(LobeFlags::DELTA));
     let onward = onward.map(|(sample, survival)| {
         let guide_pdf = vertex.guided.map_or(0.0, |g| g.field_pdf(sample.wi));
         Onward {

@@ -1,8 +1,9 @@
 //! A wave of paths that advance together, one bounce at a time.
 
 use super::forks::Forks;
+use super::next_event::ShadowRay;
 use super::record::Witness;
-use super::vertex::{self, ShadowRay, Walk, Watched};
+use super::vertex::{self, Walk, Watched};
 use crate::accel::{Hit, Ray};
 use crate::camera::CameraRay;
 use crate::math::{PathSampler, Rgb, Vec3};
@@ -36,6 +37,8 @@ pub struct Path {
     pub expected: f32,
     /// Into how many ways its sample would have been split by now, had all of them been split as often.
     pub ways: u32,
+    /// In how many parts it may go on from delta lobes (see [`super::lots`]); 1 without a field.
+    pub lots: f32,
     /// The path's standing (see [`super::roulette`]) when the field aimed it last; 1 until then.
     pub aimed_with: f32,
     /// Width of the ray's cone at its origin.
@@ -60,6 +63,7 @@ impl Path {
             depth: 0,
             expected: 0.0,
             ways: 1,
+            lots: 1.0,
             aimed_with: 1.0,
             slot,
             cone_width: camera.cone_width,

@@ -1,6 +1,6 @@
 //! Models in models, sides, frames, masks, and the two directions of transport.
 
-use super::models::{add, diffuse, grey, rgb};
+use super::models::{self, add, diffuse, grey, rgb};
 use super::{at_flat_point, resolved};
 use crate::bsdf::material::{Material, white};
 use crate::bsdf::{LobeFlags, Materials, Transport};
@@ -214,4 +214,35 @@ fn mixtures_weigh_their_parts() {
         );
         assert!((bsdf.albedo().x - share).abs() < 1e-5);
     }
+}
+
+/// Choosing the delta lobe with its probability, or else among the rest, is the same as choosing among all: each
+/// number that chooses a lobe gives the same sample either way.
+#[test]
+fn a_delta_lobe_and_the_rest_are_all_lobes() {
+    let wo = Vec3::new(0.5, 0.1, 0.8).normalize();
+    let u = Vec2::new(0.3, 0.6);
+    let mut apart = 0;
+    for name in models::SMOOTH.into_iter().chain(models::DELTA) {
+        let bsdf = resolved(name, wo);
+        let Some(parts) = bsdf.apart(wo, Transport::Radiance) else {
+            continue;
+        };
+        apart += 1;
+        let p = parts.delta.pdf;
+        assert!(parts.delta.lobe.has(LobeFlags::DELTA), "{name}");
+        assert!((p + parts.rest.chance - 1.0).abs() < 1e-6, "{name}");
+        let same = |u_lobe: f32| {
+            let s = bsdf.sample(wo, u_lobe, u, Transport::Radiance);
+            s.is_some_and(|s| s.wi == parts.delta.wi && s.weight == parts.delta.weight)
+        };
+        let numbers = (0..1000).map(|i| (i as f32 + 0.5) / 1000.0);
+        assert!(
+            !numbers.clone().any(|v| same(parts.rest.choose(v))),
+            "{name}"
+        );
+        let chosen = numbers.filter(|&v| same(v)).count() as f32 / 1000.0;
+        assert!((chosen - p).abs() < 2e-3, "{name}: {chosen} of {p}");
+    }
+    assert!(apart >= 4, "only {apart} models were looked at");
 }

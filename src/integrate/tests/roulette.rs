@@ -15,6 +15,7 @@ fn path(throughput: Rgb, eta: f32) -> Path {
         light_chance: 1.0,
         expected: 0.0,
         ways: 1,
+        lots: 1.0,
         aimed_with: 1.0,
         slot: 0,
         cone_width: 0.0,
