@@ -2,12 +2,15 @@
 
 use super::field::{Entry, Field, NONE, Node};
 use super::links::{Place, Product, Split, step};
+use super::model::{LEVELS_UP, Neighbourhood};
 use super::record::Origin;
 use super::settings::Source;
+use super::space::SpaceNode;
 use super::train::{Trainer, region};
 use crate::math::DVec3;
 use crate::math::Vec3;
 use crate::math::equal_area::{CODE_LEVELS, DirectionCell};
+use std::collections::BTreeMap;
 
 /// Path vertices a cell must have before they speak for it beside photons.
 const ENOUGH_VISITS: u64 = 32;
@@ -42,13 +45,42 @@ impl Trainer {
         field.lists = lists.table;
         field.nodes = pack_nodes(&self.product, &slot_of);
         let regions = |l: u32| region(&self.space, &self.product.links[l as usize]);
-        field.models = self.stats.freeze(&order, &regions);
+        let neighbourhoods = self.neighbourhoods(&order);
+        field.models = self.stats.freeze(&order, &regions, &neighbourhoods);
         if self.traits.stats_bytes == 0 {
             field.model_of = Vec::new();
         }
         let children = self.parents();
         self.fill_cells(&mut field, &lists.of_node, &children, groups);
         field
+    }
+
+    /// Who may learn from whom: links whose larger cell of R, some levels up, is the same, on surfaces that face
+    /// the same way, from all links in that cell.
+    fn neighbourhoods(&self, order: &[u32]) -> Vec<Neighbourhood> {
+        let grid = &self.space.grid;
+        let node = |l: u32| &self.space.nodes[self.product.links[l as usize].r as usize];
+        let within = |node: &SpaceNode, level: u8| match level {
+            0 => (0, 0),
+            level => (level, node.prefix >> grid.shift(level - 1)),
+        };
+        let mut found: BTreeMap<(u8, u64), Neighbourhood> = BTreeMap::new();
+        for (place, &l) in order.iter().enumerate() {
+            let node = node(l);
+            let top = grid.normal_levels().min(node.level);
+            let level = node.level.saturating_sub(LEVELS_UP).max(top);
+            let learning = &mut found.entry(within(node, level)).or_default().learning;
+            learning.push(place as u32);
+        }
+        for (place, &l) in order.iter().enumerate() {
+            let node = node(l);
+            for level in 0..=node.level {
+                if let Some(cell) = found.get_mut(&within(node, level)) {
+                    cell.known.push(place as u32);
+                }
+            }
+        }
+        found.into_values().collect()
     }
 
     /// F of each leaf link: flux over area, averaged with the mean over path vertices.

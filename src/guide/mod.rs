@@ -122,6 +122,11 @@
 //!   surprises most it gains nothing. Nor does judging lobes by how much likelihood their loss would cost
 //!   instead of by weight, nor weighing photons and paths by the flux that they find instead of by their
 //!   number. Sixteen lobes: 5.8 against 6.3 in the torus, the same in lux-pool.
+//! * **Needles that neighbours met.** The sun in a pane is seen in the same direction by a whole region, but a cell
+//!   that has not met it yet draws it with the density of the dim light around. So a cell of Gaussians draws one
+//!   direction in twenty from the narrow lobes of the cells around it: relative variance in the torus 3.5 instead
+//!   of 5.9, worst pixels included 30 instead of 48, the same elsewhere (`guide/model/needles.rs`). From all cells
+//!   of the scene instead of those below the cell three levels up: 5.3 against 4.7.
 //! * **Exact sums.** Fluxes are 128-bit integers in quanta of 2^-60 of a typical photon
 //!   ([`crate::math::sum`]), everything else trained is an integer, too. So the same records
 //!   give the same bits for any number of threads and any cut into batches, and shards

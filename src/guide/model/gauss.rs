@@ -17,14 +17,17 @@
 //! thousand photons.
 
 use super::moments::Moments;
-use super::{LocalModel, Query, Region};
+use super::needles::{SHARE, needles};
+use super::{LocalModel, Neighbourhood, Query, Region};
 use crate::guide::bytes::{Reader, Writer};
 use crate::guide::gaussian::{Domain, LOBES, Lanes, Lobe, Mixture, Prior, Statistics, maximise};
 use crate::guide::record::{Deposit, Origin, TABLE_QUANTA};
 use crate::guide::tally::Table;
 use crate::math::equal_area::{CODE_LEVELS, DirectionCell};
-use crate::math::rng::{hash64, unit_f32};
+use crate::math::rng::{BELOW_ONE, hash64, unit_f32};
 use crate::math::{Frame, Vec2, Vec3};
+use rayon::prelude::*;
+use std::sync::Arc;
 
 /// A lobe of a single record is one degree wide (standard deviation), and none is narrower than 0.3 degrees. (A
 /// spread of 2e-4 has 1.5 times the variance in a torus in glass, 5e-4 1.7 times; a least variance of 1e-7
@@ -76,6 +79,8 @@ pub(crate) struct GaussStats {
 pub(crate) struct Frozen {
     mixture: Mixture,
     frame: Frame,
+    /// What neighbours know beside that; shared by all of them.
+    needles: Option<Arc<Mixture>>,
 }
 
 /// See the module.
@@ -127,6 +132,16 @@ impl GaussStats {
             }
         }
         (joined, count)
+    }
+
+    /// How many records it has met, of equal weight.
+    pub(super) fn count(&self) -> f64 {
+        self.known().1
+    }
+
+    /// What was fitted last.
+    pub(super) fn lobes(&self) -> &[Lobe; LOBES] {
+        &self.lobes
     }
 
     /// Keeps a record if it is drawn: of keys -w / ln u, the largest belongs to a record with a probability
@@ -237,22 +252,59 @@ impl LocalModel for Gauss {
     }
 
     fn freeze(stats: &GaussStats, region: &Region) -> Frozen {
-        let (_, count) = stats.known();
+        let count = stats.count();
         let uniform = (DOUBT / (DOUBT + count)) as f32;
         Frozen {
             mixture: Mixture::new(&stats.lobes, uniform, Domain::Disk),
             frame: region.side,
+            needles: None,
         }
+    }
+
+    fn exchange(frozen: &mut [Frozen], stats: &[&GaussStats], neighbourhoods: &[Neighbourhood]) {
+        let needles = |n: &Neighbourhood| needles(n.known.iter().map(|&c| stats[c as usize]));
+        let found: Vec<_> = neighbourhoods.par_iter().map(needles).collect();
+        for (neighbourhood, needles) in neighbourhoods.iter().zip(found) {
+            let Some(needles) = needles.map(Arc::new) else {
+                continue;
+            };
+            for &c in &neighbourhood.learning {
+                frozen[c as usize].needles = Some(Arc::clone(&needles));
+            }
+        }
+    }
+
+    fn bytes(frozen: &[Frozen]) -> usize {
+        let shared = |f: &Frozen| {
+            let part = |n: &Arc<Mixture>| size_of::<Mixture>() / Arc::strong_count(n);
+            f.needles.as_ref().map_or(0, part)
+        };
+        size_of_val(frozen) + frozen.iter().map(shared).sum::<usize>()
     }
 
     #[inline]
     fn sample(m: &Frozen, _: DirectionCell, _: &Query, u: Vec2) -> Vec3 {
-        to_direction(&m.frame, m.mixture.sample_by_two(u))
+        let Some(needles) = &m.needles else {
+            return to_direction(&m.frame, m.mixture.sample_by_two(u));
+        };
+        let place = if u.x < SHARE {
+            needles.sample_by_two(Vec2::new((u.x / SHARE).min(BELOW_ONE), u.y))
+        } else {
+            let rest = (u.x - SHARE) / (1.0 - SHARE);
+            m.mixture.sample_by_two(Vec2::new(rest.min(BELOW_ONE), u.y))
+        };
+        to_direction(&m.frame, place)
     }
 
     #[inline]
     fn pdf(m: &Frozen, _: DirectionCell, _: &Query, w: Vec3) -> f32 {
-        m.mixture.density(to_place(&m.frame, w)) * DENSITY
+        let place = to_place(&m.frame, w);
+        let own = m.mixture.density(place);
+        let density = match &m.needles {
+            Some(needles) => (1.0 - SHARE) * own + SHARE * needles.density(place),
+            None => own,
+        };
+        density * DENSITY
     }
 
     fn write(stats: &GaussStats, out: &mut Writer) {

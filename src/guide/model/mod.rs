@@ -16,12 +16,14 @@ mod constant;
 mod gauss;
 mod lobe;
 mod moments;
+mod needles;
 mod vmf;
 
 pub(crate) use accumulate::{Batch, Look};
 use accumulate::{Slots, accumulate};
 pub(crate) use constant::Constant;
 pub(crate) use gauss::Gauss;
+pub(crate) use needles::LEVELS_UP;
 pub(crate) use vmf::Vmf;
 
 use super::bytes::{Reader, Writer};
@@ -51,6 +53,15 @@ pub(crate) struct Query {
     pub normal: Option<Vec3>,
     /// What the normal does.
     pub product: Product,
+}
+
+/// Links of cells that lie together, by their places among all links.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Neighbourhood {
+    /// Those that may learn from the others.
+    pub learning: Vec<u32>,
+    /// Those that they may learn from: these and others.
+    pub known: Vec<u32>,
 }
 
 /// A distribution of directions on one link.
@@ -87,6 +98,12 @@ pub(crate) trait LocalModel {
     fn clear(stats: &mut Self::Stats);
     /// The model for sampling.
     fn freeze(stats: &Self::Stats, region: &Region) -> Self::Frozen;
+    /// Tells neighbours what could matter to them, too. `frozen` and `stats` are those of all links.
+    fn exchange(_: &mut [Self::Frozen], _: &[&Self::Stats], _: &[Neighbourhood]) {}
+    /// Memory that frozen models take.
+    fn bytes(frozen: &[Self::Frozen]) -> usize {
+        size_of_val(frozen)
+    }
     /// A direction inside the cell.
     fn sample(frozen: &Self::Frozen, q: DirectionCell, query: &Query, u: Vec2) -> Vec3;
     /// Solid-angle density of [`LocalModel::sample`] at a direction of the cell.
@@ -171,10 +188,10 @@ macro_rules! local_models {
                     _ => false,
                 }
             }
-            pub fn freeze(&self, links: &[u32], regions: &(dyn Fn(u32) -> Region + Sync)) -> FrozenSet {
+            pub fn freeze(&self, links: &[u32], regions: &(dyn Fn(u32) -> Region + Sync), neighbourhoods: &[Neighbourhood]) -> FrozenSet {
                 match self {
-                    Self::$first(s) => FrozenSet::$first(links.par_iter().map(|&l| <$first_model>::freeze(&s[l as usize], &regions(l))).collect())
-                    $(, Self::$kind(s) => FrozenSet::$kind(links.par_iter().map(|&l| <$model>::freeze(&s[l as usize], &regions(l))).collect()))*
+                    Self::$first(s) => FrozenSet::$first(freeze::<$first_model>(s, links, regions, neighbourhoods))
+                    $(, Self::$kind(s) => FrozenSet::$kind(freeze::<$model>(s, links, regions, neighbourhoods)))*
                 }
             }
             pub fn write(&self, link: u32, out: &mut Writer) {
@@ -237,8 +254,8 @@ macro_rules! local_models {
             }
             pub fn bytes(&self) -> usize {
                 match self {
-                    Self::$first(m) => std::mem::size_of_val(m.as_slice())
-                    $(, Self::$kind(m) => std::mem::size_of_val(m.as_slice()))*
+                    Self::$first(m) => <$first_model>::bytes(m)
+                    $(, Self::$kind(m) => <$model>::bytes(m))*
                 }
             }
         }
@@ -275,6 +292,19 @@ fn split<M: LocalModel>(stats: &mut Vec<M::Stats>, link: u32, from: &Region, to:
             stats.push(child);
         }
     }
+}
+
+fn freeze<M: LocalModel>(
+    stats: &[M::Stats],
+    links: &[u32],
+    regions: &(dyn Fn(u32) -> Region + Sync),
+    neighbourhoods: &[Neighbourhood],
+) -> Vec<M::Frozen> {
+    let one = |&l: &u32| M::freeze(&stats[l as usize], &regions(l));
+    let mut frozen: Vec<_> = links.par_iter().map(one).collect();
+    let stats: Vec<_> = links.iter().map(|&l| &stats[l as usize]).collect();
+    M::exchange(&mut frozen, &stats, neighbourhoods);
+    frozen
 }
 
 fn read<M: LocalModel>(links: &[u32], input: &mut Reader) -> Option<Vec<M::Stats>> {

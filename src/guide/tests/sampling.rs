@@ -1,7 +1,7 @@
 //! Sampling and density: partition, normalisation, chi-square.
 
-use super::synthetic::{integral, square};
-use crate::guide::{ModelKind, Product, Trainer};
+use super::synthetic::{Patch, integral, square, unit_box};
+use crate::guide::{ModelKind, Product, Settings, Trainer};
 use crate::math::equal_area::{DirectionCell, direction_code};
 use crate::math::warp::uniform_sphere;
 use crate::math::{Pcg32, Rgb, Vec2, Vec3};
@@ -217,4 +217,39 @@ fn edge_numbers_pick_links_with_light() {
             }
         }
     }
+}
+
+#[test]
+fn a_cell_draws_from_needles_that_only_its_neighbours_met() {
+    // Under a constant sky a needle of light falls on strips of the floor.
+    let needle = Vec3::new(0.6, 0.0, 0.8);
+    let floor = Patch::floor();
+    let mut t = Trainer::build(Settings {
+        model: ModelKind::Gauss,
+        ..unit_box()
+    })
+    .unwrap();
+    t.set_surface(&floor.surface(20_000, 5), 1.0);
+    for batch in 0..4 {
+        let mut photons = floor.constant_light(8000, batch);
+        for (i, photon) in photons.iter_mut().enumerate() {
+            if (4.0 * photon.position.x).fract() < 0.5 && i % 4 == 0 {
+                photon.direction = needle;
+            }
+        }
+        t.train(&photons, 8000);
+        t.refine_rounds(4);
+    }
+    let field = t.freeze();
+    let mut rng = Pcg32::new(3, 8);
+    let mut density = |x: f32| {
+        let local = field.at(Vec3::new(x, 0.4, 0.25), None, Rgb::ONE);
+        let z = chi_square_z(&local, 600_000, &mut rng);
+        assert!(z < 3.2, "{z}");
+        local.pdf(needle)
+    };
+    let (met, known) = (density(0.31), density(0.45));
+    assert!(met > 100.0, "{met}");
+    // The sky alone has 0.8 / pi.
+    assert!(known > 10.0 && known < 0.5 * met, "{known} of {met}");
 }
