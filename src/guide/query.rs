@@ -135,7 +135,7 @@ impl<'f> LocalField<'f> {
         };
         let (q, model) = self.field.slot(slot);
         let w = self.field.models.sample(model, q, &self.query, direction);
-        let code = direction_code(w);
+        let code = self.code(w);
         if q.contains(code) {
             let pdf = self.link_pdf(slot, group, q, model, w);
             return GuideSample {
@@ -217,11 +217,22 @@ impl<'f> LocalField<'f> {
         if self.total <= 0.0 {
             return 0.25 / PI;
         }
-        let code = direction_code(w);
+        let code = self.code(w);
         let (slot, group, level) = self.find(code);
         let q = DirectionCell::containing(code, level);
         let model = self.field.model(slot);
         self.defended(self.link_pdf(slot, group, q, model, w))
+    }
+
+    /// The number of a direction by which links are found. Where the whole sphere is one base cell, no link divides
+    /// directions, and any number will do: the true one is 4 % of a guided render.
+    #[inline]
+    fn code(&self, w: Vec3) -> u32 {
+        if self.field.groups == GROUPS {
+            direction_code(w)
+        } else {
+            0
+        }
     }
 
     /// The slot of the link that holds a direction, its base cell, and the level of its direction cell.

@@ -77,6 +77,7 @@ pub struct GuidedVertex<'a> {
     local: Local<'a>,
     /// How often to draw from it, and how often to sample a light.
     chances: Chances,
+    irradiance: Rgb,
     /// Radiance that the surface is expected to reflect, where it is matt.
     reflected: Option<Rgb>,
     /// The lobes that are sampled here: all, or all but a delta lobe.
@@ -89,12 +90,12 @@ pub fn is_guidable(bsdf: &Bsdf) -> bool {
     bsdf.flags().has(LobeFlags::SMOOTH) && bsdf.roughness() >= MIN_ROUGHNESS
 }
 
-/// Whether what a surface reflects follows from the irradiance. A floor of roughness 0.1 mirrors a bright gap
+/// Whether what a surface reflects by these lobes follows from the irradiance. A floor of roughness 0.1 mirrors a bright gap
 /// of a door to some eyes; paths that came from there were ended nine times in ten (relative variance of a
 /// sample in veach-ajar 7.0, now 6.0). Guarded by `irradiance_speaks_for_matt_surfaces_alone`.
 #[inline]
-pub(super) fn is_matt(bsdf: &Bsdf) -> bool {
-    bsdf.roughness() >= MATT && !bsdf.flags().has(LobeFlags::DELTA)
+pub(super) fn is_matt(bsdf: &Bsdf, lobes: Rest) -> bool {
+    bsdf.roughness() >= MATT && (lobes != Rest::ALL || !bsdf.flags().has(LobeFlags::DELTA))
 }
 
 /// The shading normal on the side of `wo`.
@@ -152,7 +153,8 @@ impl<'a> Guidance<'a> {
         Some(GuidedVertex {
             local,
             chances,
-            reflected: is_matt(bsdf).then(|| bsdf.albedo() * irradiance * FRAC_1_PI),
+            irradiance,
+            reflected: None,
             lobes: Rest::ALL,
         })
     }
@@ -183,10 +185,15 @@ impl Guide {
 }
 
 impl GuidedVertex<'_> {
-    /// The same for some of the material's lobes alone, because the others are followed anyway.
+    /// The same for these of the material's lobes: all, or all but a delta lobe that is followed beside them.
     #[inline]
-    pub fn among(self, lobes: Rest) -> Self {
-        Self { lobes, ..self }
+    pub fn among(self, lobes: Rest, bsdf: &Bsdf) -> Self {
+        let reflected = || bsdf.albedo() * self.irradiance * FRAC_1_PI;
+        Self {
+            lobes,
+            reflected: is_matt(bsdf, lobes).then(reflected),
+            ..self
+        }
     }
 
     /// Radiance that the surface is expected to reflect: what roulette goes by. None where some lobe is

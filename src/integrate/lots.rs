@@ -68,16 +68,19 @@ pub fn apart(path: &Path, guided: bool, bsdf: &Bsdf, wo: Vec3) -> Option<Apart> 
     bsdf.apart(wo, Transport::Radiance)
 }
 
-/// Lets a path `go` on by a delta lobe, by the rest, or both. Where a field guides the rest it is always
-/// followed. The path itself takes the rest if that is followed; two ways have accounts of their own.
+/// A path that goes on by the delta lobe alone, by this ray if roulette lets it.
+pub struct Alone(pub Option<Ray>);
+
+/// Lets a path `go` on by a delta lobe, if that is drawn. `None` if the path itself is still to take the rest, with
+/// an account of its own if both are followed. Where a field guides the rest it always is.
 pub fn by_lobe(
     apart: &Apart,
     guided: bool,
     path: &mut Path,
     forks: &mut Forks,
-    mut arrival: Arrival,
+    arrival: &mut Arrival,
     go: &mut impl FnMut(&mut Path, &Arrival, Option<BsdfSample>) -> Option<Ray>,
-) -> Option<Ray> {
+) -> Option<Alone> {
     let u = path.sampler.next4()[0];
     let delta = Share::of(path, apart.delta.pdf);
     let rest = Share::of(path, apart.rest.chance);
@@ -85,13 +88,13 @@ pub fn by_lobe(
     if u < delta.chance {
         if !takes_rest {
             delta.take(path);
-            return go(path, &arrival, Some(apart.delta));
+            return Some(Alone(go(path, arrival, Some(apart.delta))));
         }
         path.ways *= 2;
         arrival.radiance = Rgb::ZERO;
         let mut way = forks.branch(path, 1);
         delta.take(&mut way);
-        if let Some(ray) = go(&mut way, &arrival, Some(apart.delta)) {
+        if let Some(ray) = go(&mut way, arrival, Some(apart.delta)) {
             forks.push(way, ray);
         }
         path.slot = forks.open(path.slot);
@@ -99,7 +102,7 @@ pub fn by_lobe(
     if !guided {
         rest.take(path);
     }
-    go(path, &arrival, None)
+    None
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use super::emission::{add_emission, add_environment};
 use super::forks::Forks;
 use super::guiding::{Guidance, GuidedVertex, facing, is_guidable};
-use super::lots;
+use super::lots::{self, Alone};
 use super::next_event::{ShadowRay, crosses, sample_light};
 use super::record::{Arrival, Departure, Onward, Witness};
 use super::roulette;
@@ -66,9 +66,7 @@ pub fn visit(
     watched: Watched<impl Witness>,
 ) -> Next {
     let Walk {
-        scene,
-        settings,
-        guide,
+        scene, settings, ..
     } = *walk;
     let Watched {
         outcome,
@@ -106,23 +104,50 @@ pub fn visit(
             return Next::END;
         }
     }
-    let mut guided = guide.and_then(|g| g.at(&point, &bsdf, wo, path.throughput));
+    let watched = Watched {
+        outcome,
+        forks,
+        witness,
+    };
+    scatter(walk, &point, &bsdf, wo, hit.t, path, watched)
+}
+
+/// Samples a light, and sends the path on its way or ways from a point that it met at a distance.
+#[inline]
+fn scatter(
+    walk: &Walk,
+    point: &SurfacePoint,
+    bsdf: &Bsdf,
+    wo: Vec3,
+    distance: f32,
+    path: &mut Path,
+    watched: Watched<impl Witness>,
+) -> Next {
+    let Walk {
+        settings, guide, ..
+    } = *walk;
+    let Watched {
+        outcome,
+        forks,
+        witness,
+    } = watched;
+    let guided = guide.and_then(|g| g.at(point, bsdf, wo, path.throughput));
     if guided.is_some() {
         path.lots = lots::AIMED;
     }
-    let apart = lots::apart(path, guided.is_some(), &bsdf, wo);
+    let apart = lots::apart(path, guided.is_some(), bsdf, wo);
     let lobes = apart.map_or(Rest::ALL, |apart| apart.rest);
-    guided = guided.map(|g| g.among(lobes));
+    let guided = guided.map(|g| g.among(lobes, bsdf));
     let mut vertex = Vertex {
-        point: &point,
-        bsdf: &bsdf,
+        point,
+        bsdf,
         guided: guided.as_ref(),
         wo,
         lobes,
         ways: 1,
     };
     let block = path.sampler.next4();
-    let arrival = Arrival {
+    let mut arrival = Arrival {
         throughput: path.throughput,
         radiance: outcome.radiance,
     };
@@ -134,23 +159,21 @@ pub fn visit(
         if lobe.is_none() {
             watch(&vertex, path, arrival, onward.as_ref(), witness);
         }
-        leave(&vertex, path, &onward?.0, hit.t)
+        leave(&vertex, path, &onward?.0, distance)
     };
-    let (ray, account) = if let Some(apart) = &apart {
-        let ray = lots::by_lobe(apart, guided.is_some(), path, forks, arrival, &mut go);
-        // The light that was sampled belongs to the rest of the lobes.
-        (ray, path.slot)
-    } else if vertex.ways > 1 {
-        let account = path.slot;
-        let ray = forks.split(vertex.ways, path, |path, arrival| go(path, arrival, None));
-        (ray, account)
-    } else {
-        (go(path, &arrival, None), path.slot)
-    };
-    let shadow = shadow.map(|(ray, radiance)| {
-        let slot = account;
-        (ray, ShadowRay { slot, radiance })
+    let alone = apart.and_then(|apart| {
+        lots::by_lobe(&apart, guided.is_some(), path, forks, &mut arrival, &mut go)
     });
+    // The light that was sampled belongs to the rest of the lobes, and to all of their ways together.
+    let slot = path.slot;
+    let shadow = shadow.map(|(ray, radiance)| (ray, ShadowRay { slot, radiance }));
+    let ray = match alone {
+        Some(Alone(ray)) => ray,
+        None if vertex.ways > 1 => {
+            forks.split(vertex.ways, path, |path, arrival| go(path, arrival, None))
+        }
+        None => go(path, &arrival, None),
+    };
     Next { ray, shadow }
 }
 
@@ -233,7 +256,9 @@ fn go_on(
     }
     path.eta *= sample.eta;
     let by_field = guided.filter(|_| settings.roulette == Roulette::Field);
-    let survival = match coming(settings, vertex, arrival.throughput) {
+    // What the field expects comes by the smooth lobes.
+    let coming = || coming(settings, vertex, arrival.throughput);
+    let survival = match lobe.map_or_else(coming, |_| None) {
         Some(coming) => roulette::by_field(path, coming),
         None if path.depth < settings.rr_depth => 1.0,
         None if by_field.is_some() => roulette::MAX_SURVIVAL,
