@@ -55,6 +55,13 @@ pub struct Watched<'w, W: Witness> {
     pub witness: &'w mut W,
 }
 
+impl<W: Witness> Watched<'_, W> {
+    fn arrive(&mut self, path: &Path, distance: f32) {
+        let so_far = self.outcome.radiance;
+        self.witness.arrive(path.slot, so_far, distance);
+    }
+}
+
 /// Handles what `ray` met: adds emission to the path's account, samples a light, samples the BSDF (and the
 /// field, with a guide), splits the path or plays roulette.
 #[inline]
@@ -63,19 +70,14 @@ pub fn visit(
     ray: &Ray,
     hit: &Hit,
     path: &mut Path,
-    watched: Watched<impl Witness>,
+    mut watched: Watched<impl Witness>,
 ) -> Next {
     let Walk {
         scene, settings, ..
     } = *walk;
-    let Watched {
-        outcome,
-        forks,
-        witness,
-    } = watched;
     if !hit.is_some() {
-        witness.arrive(path.slot, outcome.radiance, f32::INFINITY);
-        add_environment(scene, settings, ray, path, outcome);
+        watched.arrive(path, f32::INFINITY);
+        add_environment(scene, settings, ray, path, watched.outcome);
         return Next::END;
     }
     let surface = &scene.surfaces.list[hit.shape as usize];
@@ -83,9 +85,17 @@ pub fn visit(
         .surfaces
         .point(ray, hit, path.cone_width + path.cone_spread * hit.t);
     let wo = -ray.dir;
-    witness.arrive(path.slot, outcome.radiance, hit.t);
+    watched.arrive(path, hit.t);
     if surface.emitter != DARK {
-        add_emission(scene, settings, surface.emitter, &point, wo, path, outcome);
+        add_emission(
+            scene,
+            settings,
+            surface.emitter,
+            &point,
+            wo,
+            path,
+            watched.outcome,
+        );
     }
     if path.depth + 1 >= settings.max_depth && path.depth > 0 {
         return Next::END;
@@ -95,7 +105,7 @@ pub fn visit(
         .materials
         .resolve(surface.material, &point, wo);
     if path.depth == 0 {
-        outcome.first = FirstHit {
+        watched.outcome.first = FirstHit {
             albedo: bsdf.albedo(),
             normal: point.frame.n,
             depth: hit.t,
@@ -104,11 +114,6 @@ pub fn visit(
             return Next::END;
         }
     }
-    let watched = Watched {
-        outcome,
-        forks,
-        witness,
-    };
     scatter(walk, &point, &bsdf, wo, hit.t, path, watched)
 }
 
