@@ -18,7 +18,7 @@ pub mod importance;
 pub mod inspect;
 pub mod learn;
 pub mod learn_gmm;
-mod lots;
+pub mod lots;
 mod next_event;
 pub mod probe;
 pub mod record;
