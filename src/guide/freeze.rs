@@ -45,7 +45,7 @@ impl Trainer {
         field.lists = lists.table;
         field.nodes = pack_nodes(&self.product, &slot_of);
         let regions = |l: u32| region(&self.space, &self.product.links[l as usize]);
-        let neighbourhoods = self.neighbourhoods(&order);
+        let neighbourhoods = || self.neighbourhoods(&order);
         field.models = self.stats.freeze(&order, &regions, &neighbourhoods);
         if self.traits.stats_bytes == 0 {
             field.model_of = Vec::new();

@@ -152,8 +152,8 @@
 //!   glass caustic 76 instead of 7, of a torus in glass at 512 samples 163 instead of 18.
 //! * **What the field expects speaks for matt surfaces alone, and splits, too.** Many of the
 //!   brightest samples of veach-ajar were paths that the field had sent to a glossy floor which mirrors the gap
-//!   of the door: by irradiance and albedo they would bring little, and up to nine in ten were ended. Without that, and without
-//!   counting what a sample has already against the rest of it, its relative variance is 5.6 instead of 7.3, for
+//!   of the door: by irradiance and albedo they would bring little, and up to nine in ten were ended. Without
+//!   that, and without counting what a sample has already against the rest of it, its relative variance is 5.6 instead of 7.3, for
 //!   7.9 instead of 6.7 rays a path. Paths that bring more than twice what was expected are split, and others
 //!   ended a little sooner: 4.7 for 8.0 rays; a kitchen 11.9 for 5.9 rays instead of 13.8 for 5.2. (A table of
 //!   windows is in `integrate/roulette.rs`.)
@@ -175,8 +175,8 @@
 //!   picture is made elsewhere. Lobes 1.3 and 2 times as wide: 7.4, 8.2 against 7.3. Square roots of the
 //!   second moment as the target of path records (Rath et al. 2020): 0.165 against 0.144 in veach-ajar, 0.489
 //!   against 0.547 in a caustic, the same elsewhere. A fixed share of 0.5, 0.7 or 0.9 for the field instead of
-//!   the learned one: 0.195, 0.257, 0.478 against 0.144. Sorting the vertices of a wave by position before they ask the field: 3 to 8 % faster with
-//!   a field, 8 to 19 % slower without. Laying out the links of each cell side by side: ten times the
+//!   the learned one: 0.195, 0.257, 0.478 against 0.144. Sorting the vertices of a wave by position before they
+//!   ask the field: 3 to 8 % faster with a field, 8 to 19 % slower without. Laying out the links of each cell side by side: ten times the
 //!   memory, no gain. Look-ups wait for memory, not for arithmetic.
 //!
 //! # Beside the tree

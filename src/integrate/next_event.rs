@@ -14,6 +14,7 @@ use crate::texture::SurfacePoint;
 /// A shadow ray stops this much short of the light, relative to the distance, so as not to meet the
 /// light's own surface. An occluder closer to the light than this is not seen.
 const SHADOW_MARGIN: f32 = 1e-4;
+
 /// Light that a sample receives if nothing is in between.
 #[derive(Clone, Copy, Debug)]
 pub struct ShadowRay {

@@ -261,9 +261,12 @@ fn go_on(
     }
     path.eta *= sample.eta;
     let by_field = guided.filter(|_| settings.roulette == Roulette::Field);
-    // What the field expects comes by the smooth lobes.
-    let coming = || coming(settings, vertex, arrival.throughput);
-    let survival = match lobe.map_or_else(coming, |_| None) {
+    let coming = match lobe {
+        // What the field expects comes by the smooth lobes.
+        Some(_) => None,
+        None => coming(settings, vertex, arrival.throughput),
+    };
+    let survival = match coming {
         Some(coming) => roulette::by_field(path, coming),
         None if path.depth < settings.rr_depth => 1.0,
         None if by_field.is_some() => roulette::MAX_SURVIVAL,

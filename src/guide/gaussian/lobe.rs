@@ -45,6 +45,14 @@ pub struct Prior {
     pub least_variance: f64,
 }
 
+/// The positive definite covariance nearest to one that was computed: xx, xy, yy. No variance is less than `least`.
+pub fn positive([xx, xy, yy]: [f64; 3], least: f64) -> [f32; 3] {
+    let (xx, yy) = (xx.max(least), yy.max(least));
+    // Rounding must not carry the correlation beyond 1.
+    let most = 0.999 * (xx * yy).sqrt();
+    [xx, xy.clamp(-most, most), yy].map(|v| v as f32)
+}
+
 /// The maximum a posteriori for the statistics of `n` records of equal weight, in the unit of the statistics'
 /// own sum: a Dirichlet prior (v) on the weights and a normal-inverse-Wishart prior (a, b) on the covariances,
 /// which fade as 1/n. A lobe that nothing belongs to stays where it is. Nothing happens without weight.
@@ -67,12 +75,10 @@ pub fn maximise(lobes: &mut [Lobe; LOBES], statistics: &Statistics, n: f64, prio
             (prior + (second - s[0] * square) / total) / below
         };
         let spread = prior.spread / n;
-        let xx = variance(s[3], mx * mx, spread).max(prior.least_variance);
-        let yy = variance(s[5], my * my, spread).max(prior.least_variance);
-        // Rounding must not carry the correlation beyond 1.
-        let most = 0.999 * (xx * yy).sqrt();
-        let xy = variance(s[4], mx * my, 0.0).clamp(-most, most);
+        let xx = variance(s[3], mx * mx, spread);
+        let xy = variance(s[4], mx * my, 0.0);
+        let yy = variance(s[5], my * my, spread);
         lobe.mean = Vec2::new(mx as f32, my as f32);
-        lobe.covariance = [xx, xy, yy].map(|v| v as f32);
+        lobe.covariance = positive([xx, xy, yy], prior.least_variance);
     }
 }

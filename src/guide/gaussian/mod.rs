@@ -8,7 +8,7 @@ mod mixture;
 
 pub use domain::Domain;
 pub use lanes::{LOBES, Lanes};
-pub use lobe::{Lobe, Prior, Statistics, maximise};
+pub use lobe::{Lobe, Prior, Statistics, maximise, positive};
 pub use mixture::Mixture;
 
 #[cfg(test)]

@@ -32,7 +32,7 @@ use std::sync::Arc;
 /// A lobe of a single record is one degree wide (standard deviation), and none is narrower than 0.3 degrees. (A
 /// spread of 2e-4 has 1.5 times the variance in a torus in glass, 5e-4 1.7 times; a least variance of 1e-7
 /// gains nothing.)
-const PRIOR: Prior = Prior {
+pub(super) const PRIOR: Prior = Prior {
     spread: 2e-5,
     least_variance: 1.5e-6,
 };
@@ -132,16 +132,6 @@ impl GaussStats {
             }
         }
         (joined, count)
-    }
-
-    /// How many records it has met, of equal weight.
-    pub(super) fn count(&self) -> f64 {
-        self.known().1
-    }
-
-    /// What was fitted last.
-    pub(super) fn lobes(&self) -> &[Lobe; LOBES] {
-        &self.lobes
     }
 
     /// Keeps a record if it is drawn: of keys -w / ln u, the largest belongs to a record with a probability
@@ -252,7 +242,7 @@ impl LocalModel for Gauss {
     }
 
     fn freeze(stats: &GaussStats, region: &Region) -> Frozen {
-        let count = stats.count();
+        let (_, count) = stats.known();
         let uniform = (DOUBT / (DOUBT + count)) as f32;
         Frozen {
             mixture: Mixture::new(&stats.lobes, uniform, Domain::Disk),
@@ -261,8 +251,19 @@ impl LocalModel for Gauss {
         }
     }
 
-    fn exchange(frozen: &mut [Frozen], stats: &[&GaussStats], neighbourhoods: &[Neighbourhood]) {
-        let needles = |n: &Neighbourhood| needles(n.known.iter().map(|&c| stats[c as usize]));
+    fn exchange(
+        frozen: &mut [Frozen],
+        stats: &[GaussStats],
+        links: &[u32],
+        neighbourhoods: &dyn Fn() -> Vec<Neighbourhood>,
+    ) {
+        let of = |&l: &u32| {
+            let stats = &stats[l as usize];
+            (stats.known().1, &stats.lobes)
+        };
+        let known: Vec<_> = links.par_iter().map(of).collect();
+        let neighbourhoods = neighbourhoods();
+        let needles = |n: &Neighbourhood| needles(n.known.iter().map(|&c| known[c as usize]));
         let found: Vec<_> = neighbourhoods.par_iter().map(needles).collect();
         for (neighbourhood, needles) in neighbourhoods.iter().zip(found) {
             let Some(needles) = needles.map(Arc::new) else {

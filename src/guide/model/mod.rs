@@ -98,8 +98,15 @@ pub(crate) trait LocalModel {
     fn clear(stats: &mut Self::Stats);
     /// The model for sampling.
     fn freeze(stats: &Self::Stats, region: &Region) -> Self::Frozen;
-    /// Tells neighbours what could matter to them, too. `frozen` and `stats` are those of all links.
-    fn exchange(_: &mut [Self::Frozen], _: &[&Self::Stats], _: &[Neighbourhood]) {}
+    /// Tells neighbours what could matter to them, too. `frozen` are the models of `links`, numbers among `stats`;
+    /// who is whose neighbour is found out when asked.
+    fn exchange(
+        _: &mut [Self::Frozen],
+        _: &[Self::Stats],
+        _: &[u32],
+        _: &dyn Fn() -> Vec<Neighbourhood>,
+    ) {
+    }
     /// Memory that frozen models take.
     fn bytes(frozen: &[Self::Frozen]) -> usize {
         size_of_val(frozen)
@@ -188,7 +195,7 @@ macro_rules! local_models {
                     _ => false,
                 }
             }
-            pub fn freeze(&self, links: &[u32], regions: &(dyn Fn(u32) -> Region + Sync), neighbourhoods: &[Neighbourhood]) -> FrozenSet {
+            pub fn freeze(&self, links: &[u32], regions: &(dyn Fn(u32) -> Region + Sync), neighbourhoods: &dyn Fn() -> Vec<Neighbourhood>) -> FrozenSet {
                 match self {
                     Self::$first(s) => FrozenSet::$first(freeze::<$first_model>(s, links, regions, neighbourhoods))
                     $(, Self::$kind(s) => FrozenSet::$kind(freeze::<$model>(s, links, regions, neighbourhoods)))*
@@ -298,12 +305,11 @@ fn freeze<M: LocalModel>(
     stats: &[M::Stats],
     links: &[u32],
     regions: &(dyn Fn(u32) -> Region + Sync),
-    neighbourhoods: &[Neighbourhood],
+    neighbourhoods: &dyn Fn() -> Vec<Neighbourhood>,
 ) -> Vec<M::Frozen> {
     let one = |&l: &u32| M::freeze(&stats[l as usize], &regions(l));
     let mut frozen: Vec<_> = links.par_iter().map(one).collect();
-    let stats: Vec<_> = links.iter().map(|&l| &stats[l as usize]).collect();
-    M::exchange(&mut frozen, &stats, neighbourhoods);
+    M::exchange(&mut frozen, stats, links, neighbourhoods);
     frozen
 }
 

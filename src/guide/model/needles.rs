@@ -5,8 +5,8 @@
 //! of the dim light around it, and the path that finds it then is a firefly. So every cell draws a small share
 //! from the narrow lobes of all cells in the same larger cell of R.
 
-use super::gauss::GaussStats;
-use crate::guide::gaussian::{Domain, LOBES, Lobe, Mixture};
+use super::gauss::PRIOR;
+use crate::guide::gaussian::{Domain, LOBES, Lobe, Mixture, positive};
 use crate::math::Vec2;
 
 /// Share of the neighbours' needles, where there are any. (Relative variance of a sample, 64 samples, for 0, and
@@ -27,8 +27,6 @@ const LEAST_WEIGHT: f32 = 0.01;
 const MOST: usize = 64;
 /// A cell that has met so many records is believed half as much as one that has met countless.
 const DOUBT: f64 = 16.0;
-/// Variance of a needle that is known from a lobe without any.
-const LEAST_VARIANCE: f64 = 1.5e-6;
 /// Keeps the mixture's density positive.
 const UNIFORM: f32 = 1e-3;
 
@@ -52,51 +50,46 @@ impl Needle {
     fn lobe(&self) -> Lobe {
         let [w, x, y, xx, xy, yy] = self.sums;
         let (x, y) = (x / w, y / w);
-        let xx = (xx / w - x * x).max(LEAST_VARIANCE);
-        let yy = (yy / w - y * y).max(LEAST_VARIANCE);
-        // Rounding must not carry the correlation beyond 1.
-        let most = 0.999 * (xx * yy).sqrt();
-        let xy = (xy / w - x * y).clamp(-most, most);
+        let covariance = [xx / w - x * x, xy / w - x * y, yy / w - y * y];
         Lobe {
             weight: w.sqrt() as f32,
             mean: Vec2::new(x as f32, y as f32),
-            covariance: [xx, xy, yy].map(|v| v as f32),
+            covariance: positive(covariance, PRIOR.least_variance),
         }
     }
 }
 
-/// The needles that these cells have met, the eight heaviest; `None` if there are none. All lobes are over the same
-/// plane: the cells' normals point into the same octant.
-pub(super) fn needles<'a>(cells: impl Iterator<Item = &'a GaussStats>) -> Option<Mixture> {
-    let mut known: Vec<(f64, Lobe)> = Vec::new();
-    for cell in cells {
-        let count = cell.count();
+/// The needles that these cells have met, the eight heaviest; `None` if there are none. Of each cell: how many
+/// records it has met, and its lobes; all over the same plane, the cells' normals point into the same octant.
+pub(super) fn needles<'a>(
+    cells: impl Iterator<Item = (f64, &'a [Lobe; LOBES])>,
+) -> Option<Mixture> {
+    let mut known: Vec<(f64, &Lobe)> = Vec::new();
+    for (count, lobes) in cells {
         let trust = count / (count + DOUBT);
-        let [xx, yy] = [0, 2];
-        let narrow = |l: &Lobe| l.covariance[xx] < NARROW && l.covariance[yy] < NARROW;
-        let usable = cell
-            .lobes()
+        let narrow = |l: &&Lobe| l.covariance[0] < NARROW && l.covariance[2] < NARROW;
+        let usable = lobes
             .iter()
-            .filter(|l| l.weight > LEAST_WEIGHT && narrow(l));
-        known.extend(usable.map(|l| (f64::from(l.weight) * trust, *l)));
+            .filter(|l| l.weight > LEAST_WEIGHT)
+            .filter(narrow);
+        known.extend(usable.map(|l| (f64::from(l.weight) * trust, l)));
     }
     known.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut needles: Vec<Needle> = Vec::new();
-    for (weight, lobe) in known.iter().filter(|k| k.0 > 0.0) {
-        let near = |n: &&mut Needle| n.place.distance_squared(lobe.mean) < NEAR * NEAR;
-        if let Some(needle) = needles.iter_mut().find(near) {
-            needle.add(lobe, *weight);
-            continue;
-        }
-        if needles.len() == MOST {
-            continue;
-        }
-        let mut needle = Needle {
-            place: lobe.mean,
-            sums: [0.0; 6],
+    for (weight, lobe) in known.into_iter().filter(|k| k.0 > 0.0) {
+        let near = |n: &Needle| n.place.distance_squared(lobe.mean) < NEAR * NEAR;
+        let place = match needles.iter().position(near) {
+            Some(place) => place,
+            None if needles.len() == MOST => continue,
+            None => {
+                needles.push(Needle {
+                    place: lobe.mean,
+                    sums: [0.0; 6],
+                });
+                needles.len() - 1
+            }
         };
-        needle.add(lobe, *weight);
-        needles.push(needle);
+        needles[place].add(lobe, weight);
     }
     if needles.is_empty() {
         return None;
