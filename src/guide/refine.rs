@@ -18,7 +18,8 @@ use super::train::{NODE_BYTES, SPACE_BYTES, Trainer};
 use rayon::prelude::*;
 use smallvec::SmallVec;
 
-/// A mixture with this many times the records that a split needs is divided in any case.
+/// A mixture with this many times the records that a split needs is divided in any case. (With 64 times, relative
+/// variance is 4.5 instead of 4.7 in veach-ajar, but 5.1 instead of 4.2 in a torus in glass.)
 const PLENTY: f64 = 4.0;
 
 /// What a round of refining did.
