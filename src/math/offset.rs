@@ -24,11 +24,12 @@ const SMALLEST_OFFSET: f32 = 1e-30;
 #[inline]
 pub fn offset_origin(p: Vec3, error: Vec3, ng: Vec3, dir: Vec3) -> Vec3 {
     let distance = ng.abs().dot(error).max(SMALLEST_OFFSET);
-    let offset = if dir.dot(ng) < 0.0 {
-        -ng * distance
-    } else {
-        ng * distance
-    };
+    let offset = ng
+        * if dir.dot(ng) < 0.0 {
+            -distance
+        } else {
+            distance
+        };
     let moved = p + offset;
     Vec3::new(
         nudge(moved.x, offset.x),
@@ -38,20 +39,22 @@ pub fn offset_origin(p: Vec3, error: Vec3, ng: Vec3, dir: Vec3) -> Vec3 {
 }
 
 /// One float further towards the sign of `toward`. (`f32::next_up` needs a newer compiler than Debian 13's.)
+///
+/// Computed both ways and then chosen from: which way it goes is chance, and a processor that guesses it
+/// wrong loses more time than this takes.
 #[inline]
 fn nudge(x: f32, toward: f32) -> f32 {
-    if toward == 0.0 || !x.is_finite() {
-        return x;
-    }
-    if x == 0.0 {
-        return f32::from_bits(1).copysign(toward);
-    }
-    let away_from_zero = (x > 0.0) == (toward > 0.0);
-    f32::from_bits(if away_from_zero {
-        x.to_bits() + 1
+    // A float's bits, read as a number, grow with its magnitude.
+    let bits = x.to_bits();
+    let to_zero = (bits ^ toward.to_bits()) >> 31;
+    let next = f32::from_bits(bits.wrapping_add(1).wrapping_sub(2 * to_zero));
+    let smallest = f32::from_bits(1).copysign(toward);
+    let moved = if x == 0.0 { smallest } else { next };
+    if (toward == 0.0) | !x.is_finite() {
+        x
     } else {
-        x.to_bits() - 1
-    })
+        moved
+    }
 }
 
 #[cfg(test)]

@@ -7,16 +7,18 @@ use std::f32::consts::{FRAC_1_PI, FRAC_PI_4, TAU};
 #[inline]
 pub fn concentric_disk(u: Vec2) -> Vec2 {
     let o = u * 2.0 - Vec2::ONE;
-    if o == Vec2::ZERO {
+    let steep = o.x.abs() <= o.y.abs();
+    let (major, minor) = if steep { (o.y, o.x) } else { (o.x, o.y) };
+    if major == 0.0 {
         return Vec2::ZERO;
     }
-    if o.x.abs() > o.y.abs() {
-        let (sin, cos) = sin_cos_octant(FRAC_PI_4 * (o.y / o.x));
-        Vec2::new(o.x * cos, o.x * sin)
+    let (sin, cos) = sin_cos_octant(FRAC_PI_4 * (minor / major));
+    let (along, across) = (major * cos, major * sin);
+    // In the steep half the angle is pi/2 minus this one: sine and cosine change places.
+    if steep {
+        Vec2::new(across, along)
     } else {
-        // The angle is pi/2 minus this one: sine and cosine change places.
-        let (sin, cos) = sin_cos_octant(FRAC_PI_4 * (o.x / o.y));
-        Vec2::new(o.y * sin, o.y * cos)
+        Vec2::new(along, across)
     }
 }
 
