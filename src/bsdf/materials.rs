@@ -1,6 +1,7 @@
 //! All materials of a scene, with what is computed once for each.
 
 use super::facet_albedo::facet_albedo;
+use super::lobes::diffuse::Diffuse;
 use super::lookup::{Lookup, sane_eta};
 use super::material::{Material, Roughness};
 use super::plain::Form;
@@ -76,17 +77,25 @@ impl Materials {
     // Inlined so that the result is built where the caller keeps it instead of being copied there.
     #[inline]
     pub fn resolve(&self, id: MaterialId, point: &SurfacePoint, wo: Vec3) -> Bsdf {
-        if let Some(plain) = self.resolve_plain(id, point, wo) {
-            return plain;
+        if let Some((frame, diffuse)) = self.resolve_plain(id, point, wo) {
+            return Bsdf {
+                frame,
+                ng: point.ng,
+                flags: Diffuse::FLAGS,
+                form: Form::Diffuse(diffuse),
+            };
         }
-        let mut tree = Tree::default();
-        let flags = self.grow(id, point, wo, &mut tree);
-        Bsdf {
+        let mut bsdf = Bsdf {
             frame: point.frame,
             ng: point.ng,
-            flags,
-            form: Form::Tree(tree),
+            flags: LobeFlags::default(),
+            form: Form::Tree(Tree::default()),
+        };
+        // The tree grows where it stays: it is too large to be moved at every vertex.
+        if let Form::Tree(tree) = &mut bsdf.form {
+            bsdf.flags = self.grow(id, point, wo, tree);
         }
+        bsdf
     }
 
     /// Fills the tree of material `id` and tells what it does.

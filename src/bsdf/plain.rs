@@ -5,11 +5,11 @@
 
 use super::lobes::diffuse::Diffuse;
 use super::tree::Tree;
-use super::{Bsdf, Material, MaterialId, Materials};
+use super::{Material, MaterialId, Materials};
 use crate::math::{Frame, Vec3};
 use crate::texture::SurfacePoint;
 
-/// What a [`Bsdf`] consists of.
+/// What a [`super::Bsdf`] consists of.
 ///
 /// The tree is held in place: a heap allocation at every vertex would cost more than its size.
 #[allow(clippy::large_enum_variant)]
@@ -22,14 +22,14 @@ pub(super) enum Form {
 }
 
 impl Materials {
-    /// The resolved form of material `id`, if it is diffuse as seen from `wo`.
+    /// Frame and model of material `id`, if it is diffuse as seen from `wo`.
     #[inline]
     pub(super) fn resolve_plain(
         &self,
         id: MaterialId,
         point: &SurfacePoint,
         wo: Vec3,
-    ) -> Option<Bsdf> {
+    ) -> Option<(Frame, Diffuse)> {
         let mut frame = point.frame;
         let mut model = &self.list.get(id as usize)?.model;
         if let Material::TwoSided { front, back } = model {
@@ -52,14 +52,7 @@ impl Materials {
         let Material::Diffuse { reflectance } = model else {
             return None;
         };
-        let diffuse = Diffuse {
-            reflectance: reflectance.eval(point),
-        };
-        Some(Bsdf {
-            frame,
-            ng: point.ng,
-            flags: Diffuse::FLAGS,
-            form: Form::Diffuse(diffuse),
-        })
+        let reflectance = reflectance.eval(point);
+        Some((frame, Diffuse { reflectance }))
     }
 }

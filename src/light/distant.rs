@@ -81,6 +81,7 @@ impl Distant {
     }
 
     /// Direction, radiance from there (for parallel light its irradiance), and density (0 for parallel light).
+    /// May be `None` below the horizon of `n`, where the light would not count.
     ///
     /// The radiance is that of the place that was drawn: looking the direction up again would miss the
     /// edge of a sun now and then, by its rounding.
@@ -95,7 +96,7 @@ impl Distant {
                 let dir = Frame::new(n).to_world(local);
                 Some((dir, *radiance, cosine_hemisphere_pdf(n.dot(dir))))
             }
-            Distant::Map(map) => map.sample(u),
+            Distant::Map(map) => map.sample(n, u),
             Distant::Sun(sun) => {
                 let local = uniform_cone(u, sun.one_minus_cos);
                 let dir = Frame::new(sun.center).to_world(local);

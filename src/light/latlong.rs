@@ -97,9 +97,10 @@ impl LatLong {
         (bilinear(texels, patch.at), pdf)
     }
 
-    /// A world direction, the radiance from there, and the density.
+    /// A world direction, the radiance from there, and the density. Directions below the horizon of `n` (zero:
+    /// there is none) are drawn, but come to nothing.
     #[inline]
-    pub fn sample(&self, u: Vec2) -> Option<(Vec3, Rgb, f32)> {
+    pub fn sample(&self, n: Vec3, u: Vec2) -> Option<(Vec3, Rgb, f32)> {
         let drawn = self.cells.sample(u);
         let mut patch = Patch {
             x: drawn.cell[0],
@@ -107,10 +108,9 @@ impl LatLong {
             at: drawn.at,
             sin_theta: 0.0,
         };
-        let texels = self.texels(&patch);
         let mut density = drawn.density;
         if drawn.fine {
-            let w = self.weights(&patch, &texels);
+            let w = self.weights(&patch, &self.texels(&patch));
             let t = sample_linear(w[0] + w[1], w[2] + w[3], drawn.at.y);
             let s = sample_linear(w[0].lerp(w[2], t), w[1].lerp(w[3], t), drawn.at.x);
             patch.at = Vec2::new(s, t);
@@ -121,12 +121,14 @@ impl LatLong {
         let (sin_theta, cos_theta) = theta.sin_cos();
         let (sin_phi, cos_phi) = phi.sin_cos();
         let pdf = self.per_solid_angle(density, sin_theta);
-        if pdf.is_nan() || pdf <= 0.0 {
-            return None;
-        }
         let dir = Vec3::new(sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta);
         let dir = (self.to_world * dir).normalize();
-        Some((dir, bilinear(texels, patch.at), pdf))
+        let above = n == Vec3::ZERO || dir.dot(n) > 0.0;
+        // Not earlier: the texels of a large map are far from the processor, and half of the draws end here.
+        if !above || pdf.is_nan() || pdf <= 0.0 {
+            return None;
+        }
+        Some((dir, bilinear(self.texels(&patch), patch.at), pdf))
     }
 
     /// The patch a world direction lies in; `None` beyond the map's last row.
