@@ -40,21 +40,31 @@ pub(crate) struct Vertex {
 impl Recent {
     /// Forgets all and waits for a batch of this origin.
     pub fn start(&mut self, origin: Origin) {
-        *self = Self::default();
+        self.forget();
         self.origin = Some(origin);
     }
 
+    /// Forgets all, but keeps the memory for the next batch.
+    fn forget(&mut self) {
+        self.origin = None;
+        self.deposits.clear();
+        self.places.clear();
+        self.vertices.clear();
+    }
+
     /// Keeps records and their places, as long as there is room.
-    pub fn keep(&mut self, deposits: Vec<Deposit>, places: Vec<Place>) {
+    pub fn keep(&mut self, deposits: &[Deposit], places: &[Place]) {
         let room = MOST.saturating_sub(self.deposits.len());
-        self.deposits.extend(deposits.into_iter().take(room));
-        self.places.extend(places.into_iter().take(room));
+        let kept = deposits.len().min(room);
+        self.deposits.extend_from_slice(&deposits[..kept]);
+        self.places.extend_from_slice(&places[..kept]);
     }
 
     /// Keeps path vertices, as long as there is room.
-    pub fn keep_vertices(&mut self, vertices: impl Iterator<Item = Vertex>) {
+    pub fn keep_vertices(&mut self, vertices: &[(Vertex, u32)]) {
         let room = MOST.saturating_sub(self.vertices.len());
-        self.vertices.extend(vertices.take(room));
+        self.vertices
+            .extend(vertices.iter().take(room).map(|v| v.0));
     }
 }
 
@@ -88,6 +98,8 @@ impl Trainer {
         }
         self.iterate(&mut recent, origin);
         self.stats.settle();
+        recent.forget();
+        self.recent = recent;
         sum
     }
 

@@ -7,6 +7,7 @@
 //! with density q and value f, dKL/da = -(f/q) (p_field - p_bsdf) / q. It is followed by Adam on the
 //! logit of a, with a weak pull towards 1/2.
 
+use super::adam::Adam;
 use super::bytes::{Reader, Writer};
 use super::field::Field;
 use super::light_chance::{LEAST as LEAST_LIGHT, LightChance};
@@ -20,10 +21,6 @@ pub const FLOOR: f32 = 0.1;
 
 /// The fraction before anything was learned.
 const UNKNOWN: f32 = 0.5;
-const RATE: f64 = 0.01;
-const BETA1: f64 = 0.9;
-const BETA2: f64 = 0.999;
-const DECAY: f64 = 0.01;
 
 /// What one vertex, met during rendering or training, tells about the mixture and about light samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,57 +43,6 @@ pub struct FractionRecord {
     pub light_chance: f32,
     /// All light that the vertex sent on, for the throughput 1.
     pub reflected: f32,
-}
-
-/// A cell's fraction, and the state of the search for it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Adam {
-    logit: f64,
-    mean: f64,
-    square: f64,
-    steps: u32,
-}
-
-impl Adam {
-    /// Size in a file.
-    pub const BYTES: usize = 3 * 8 + 4;
-
-    pub fn write(&self, w: &mut Writer) {
-        w.f64(self.logit);
-        w.f64(self.mean);
-        w.f64(self.square);
-        w.u32(self.steps);
-    }
-
-    /// Reads what `write` wrote, if it is a state that the search can be in.
-    pub fn read(r: &mut Reader) -> Option<Self> {
-        let adam = Self {
-            logit: r.f64()?,
-            mean: r.f64()?,
-            square: r.f64()?,
-            steps: r.u32()?,
-        };
-        let sound = (-20.0..=20.0).contains(&adam.logit)
-            && adam.mean.is_finite()
-            && adam.square.is_finite()
-            && adam.square >= 0.0;
-        sound.then_some(adam)
-    }
-
-    /// The fraction that it stands for.
-    fn share(&self) -> f32 {
-        (sigmoid(self.logit) as f32).clamp(FLOOR, 1.0 - FLOOR)
-    }
-
-    fn step(&mut self, gradient: f64) {
-        self.steps = self.steps.saturating_add(1);
-        let n = self.steps.min(1 << 20) as i32;
-        self.mean += (1.0 - BETA1) * (gradient - self.mean);
-        self.square += (1.0 - BETA2) * (gradient * gradient - self.square);
-        let m = self.mean / (1.0 - BETA1.powi(n));
-        let v = self.square / (1.0 - BETA2.powi(n));
-        self.logit = (self.logit - RATE * m / (v.sqrt() + 1e-8)).clamp(-20.0, 20.0);
-    }
 }
 
 /// What a cell has learned.
@@ -123,27 +69,33 @@ impl Habits {
         })
     }
 
-    /// Takes one record in; light is counted in `unit`.
-    fn learn(&mut self, r: &FractionRecord, unit: f64) {
+    /// Takes records in, one after the other; light is counted in `unit`.
+    fn learn<'a>(&mut self, records: impl Iterator<Item = &'a FractionRecord>, unit: f64) {
+        let mut lacking = self.adam.lacking();
+        for record in records {
+            self.learn_one(record, unit, &mut lacking);
+        }
+    }
+
+    fn learn_one(&mut self, r: &FractionRecord, unit: f64, lacking: &mut [f64; 2]) {
         self.light.add(r.light, r.light_chance, r.reflected);
         let f = f64::from(weight(r.value)) / unit;
         let [p, guide, bsdf] = [r.pdf, r.guide_pdf, r.bsdf_pdf].map(f64::from);
         if !(p > 0.0 && f >= 0.0 && (guide + bsdf + f + p).is_finite()) {
             return;
         }
-        let a = sigmoid(self.adam.logit);
+        let a = self.adam.fraction();
         let mixture = a * guide + (1.0 - a) * bsdf;
         if mixture <= 0.0 {
             return;
         }
         let gradient = -(f / p) * (guide - bsdf) / mixture;
-        self.adam
-            .step(gradient * a * (1.0 - a) + DECAY * self.adam.logit);
+        self.adam.step(gradient * a * (1.0 - a), lacking);
     }
 
     fn chances(&self) -> Chances {
         Chances {
-            field: self.adam.share(),
+            field: (self.adam.fraction() as f32).clamp(FLOOR, 1.0 - FLOOR),
             light: self.light.chance(),
         }
     }
@@ -259,21 +211,29 @@ impl Fractions {
 
     /// Learns from a batch. Records with numbers that are not finite are ignored.
     pub fn update(&mut self, field: &Field, records: &[FractionRecord]) {
+        self.update_in_parts(field, &[records]);
+    }
+
+    /// The same for a batch that lies in several places; only the records' order counts.
+    pub fn update_in_parts(&mut self, field: &Field, parts: &[&[FractionRecord]]) {
+        let batch = Parts::new(parts);
         let cell_of = |(i, r): (usize, &FractionRecord)| {
             u64::from(field.cell(r.position, r.normal)) << 32 | i as u64
         };
-        let mut order: Vec<u64> = records.par_iter().enumerate().map(cell_of).collect();
+        let numbered = parts.par_iter().zip(&batch.starts);
+        let mut order: Vec<u64> = numbered
+            .flat_map_iter(|(part, &start)| (start..).zip(*part).map(cell_of))
+            .collect();
         order.par_sort_unstable();
-        let unit = typical(records);
+        let unit = typical(parts);
         let runs: Vec<&[u64]> = order.chunk_by(|a, b| a >> 32 == b >> 32).collect();
         let learned: Vec<(usize, Habits)> = runs
             .into_par_iter()
             .filter_map(|run| {
                 let cell = (run[0] >> 32) as usize;
                 let mut habits = *self.cells.get(cell)?;
-                for &o in run {
-                    habits.learn(&records[o as u32 as usize], unit);
-                }
+                let records = run.iter().map(|&o| batch.record(o as u32 as usize));
+                habits.learn(records, unit);
                 Some((cell, habits))
             })
             .collect();
@@ -286,22 +246,49 @@ impl Fractions {
     }
 }
 
+/// Records in several places, numbered through.
+struct Parts<'a> {
+    parts: &'a [&'a [FractionRecord]],
+    /// The number of each part's first record.
+    starts: Vec<usize>,
+}
+
+impl<'a> Parts<'a> {
+    fn new(parts: &'a [&'a [FractionRecord]]) -> Self {
+        let start = |next: &mut usize, part: &&[FractionRecord]| {
+            let start = *next;
+            *next += part.len();
+            Some(start)
+        };
+        let starts = parts.iter().scan(0, start).collect();
+        Self { parts, starts }
+    }
+
+    fn record(&self, number: usize) -> &'a FractionRecord {
+        let part = self.starts.partition_point(|&start| start <= number) - 1;
+        &self.parts[part][number - self.starts[part]]
+    }
+}
+
 /// The power of two below the mean of value over density: what the pull towards 1/2 is weak against must
 /// not depend on the unit of light. Guarded by the stability suite's `s08_emission`.
-fn typical(records: &[FractionRecord]) -> f64 {
-    let worths = records
+fn typical(parts: &[&[FractionRecord]]) -> f64 {
+    let sum = |part: &&[FractionRecord]| {
+        let worths = part
+            .iter()
+            .map(|r| f64::from(weight(r.value)) / f64::from(r.pdf))
+            .filter(|w| w.is_finite());
+        worths.fold((0.0, 0.0), |(sum, n), w| (sum + w, n + 1.0))
+    };
+    // A sum a part, then their sum: in this order on any number of threads.
+    let sums: Vec<(f64, f64)> = parts.par_iter().map(sum).collect();
+    let (sum, count) = sums
         .iter()
-        .map(|r| f64::from(weight(r.value)) / f64::from(r.pdf))
-        .filter(|w| w.is_finite());
-    let (sum, count) = worths.fold((0.0, 0.0), |(sum, n), w| (sum + w, n + 1.0));
+        .fold((0.0, 0.0), |(sum, n), part| (sum + part.0, n + part.1));
     let mean: f64 = sum / count;
     if mean > 0.0 {
         mean.log2().floor().exp2()
     } else {
         1.0
     }
-}
-
-fn sigmoid(x: f64) -> f64 {
-    1.0 / (1.0 + (-x).exp())
 }

@@ -1,32 +1,22 @@
 //! From sums to something to sample: densities, lists of links, prefix sums.
 
-use super::field::{Entry, Field, NONE, Node};
-use super::links::{Place, Product, Split, step};
+use super::field::{Field, LEAF};
+use super::links::Split;
+use super::lists::Lists;
 use super::model::{LEVELS_UP, Neighbourhood};
 use super::record::Origin;
 use super::settings::Source;
 use super::space::SpaceNode;
 use super::train::{Trainer, region};
 use crate::math::DVec3;
-use crate::math::Vec3;
-use crate::math::equal_area::{CODE_LEVELS, DirectionCell};
 use std::collections::BTreeMap;
 
 /// Path vertices a cell must have before they speak for it beside photons.
 const ENOUGH_VISITS: u64 = 32;
 
-/// Where the lists of links are.
-struct Lists {
-    of_node: Vec<u32>,
-    count: usize,
-    /// Per list: the next list up the path, then where each bucket starts, then the end.
-    table: Vec<u32>,
-}
-
 impl Trainer {
     /// The immutable field for sampling. The trainer stays as it is and can go on.
     pub fn freeze(&self) -> Field {
-        let groups = 1usize << (2 * self.traits.base_level);
         let density = self.densities();
         let largest = density.iter().map(|d| d.max_element()).fold(0.0, f64::max);
         // Sums are brought near 1, so that neither 1e30 W nor 1e-30 W leave the range of f32.
@@ -40,19 +30,45 @@ impl Trainer {
             let link = &self.product.links[l as usize];
             (link.r, link.q.start())
         });
-        let mut field = Field::empty(self, groups, scale);
-        let (lists, slot_of) = self.fill_lists(&mut field, &order, &density, groups);
-        field.lists = lists.table;
-        field.nodes = pack_nodes(&self.product, &slot_of);
         let regions = |l: u32| region(&self.space, &self.product.links[l as usize]);
         let neighbourhoods = || self.neighbourhoods(&order);
-        field.models = self.stats.freeze(&order, &regions, &neighbourhoods);
-        if self.traits.stats_bytes == 0 {
-            field.model_of = Vec::new();
+        let models = self.stats.freeze(&order, &regions, &neighbourhoods);
+        let (lists, cell_flux) = if self.traits.splits_directions {
+            let (lists, flux) = Lists::build(self, &order, &density, scale);
+            (Some(lists), flux)
+        } else {
+            // Cells and links are the same, and in the same order.
+            let flux = |&l: &u32| (density[l as usize] / scale).as_vec3().to_array();
+            (None, order.iter().flat_map(flux).collect())
+        };
+        let (space, cell_key) = self.cells();
+        Field {
+            grid: self.space.grid,
+            scale,
+            defensive: self.settings.defensive,
+            product: self.settings.product,
+            space,
+            cell_key,
+            cell_flux,
+            lists,
+            models,
         }
-        let children = self.parents();
-        self.fill_cells(&mut field, &lists.of_node, &children, groups);
-        field
+    }
+
+    /// R as the field has it, and a key in each of its cells.
+    fn cells(&self) -> (Vec<u32>, Vec<u64>) {
+        let nodes = &self.space.nodes;
+        let mut keys = Vec::with_capacity(self.space.leaf_count());
+        let mut space = Vec::with_capacity(nodes.len());
+        for node in nodes {
+            if node.first != 0 {
+                space.push(node.first);
+                continue;
+            }
+            space.push(keys.len() as u32 | LEAF);
+            keys.push(node.prefix);
+        }
+        (space, keys)
     }
 
     /// Who may learn from whom: links whose larger cell of R, some levels up, is the same, on surfaces that face
@@ -189,126 +205,6 @@ impl Trainer {
         }
         out
     }
-
-    /// Appends each R-node's links to the field, grouped by base direction cell, with running sums.
-    fn fill_lists(
-        &self,
-        field: &mut Field,
-        order: &[u32],
-        density: &[DVec3],
-        groups: usize,
-    ) -> (Lists, Vec<u32>) {
-        let base_shift = 32 - 2 * u32::from(self.traits.base_level);
-        let group = |q: DirectionCell| (u64::from(q.start()) >> base_shift) as usize;
-        let mut lists = Lists {
-            of_node: vec![NONE; self.space.nodes.len()],
-            count: 0,
-            table: Vec::new(),
-        };
-        let mut slot_of = vec![0u32; order.len()];
-        let mut position = 0usize;
-        for run in order.chunk_by(|a, b| self.r_of(*a) == self.r_of(*b)) {
-            lists.of_node[self.r_of(run[0]) as usize] = lists.count as u32;
-            lists.count += 1;
-            lists.table.push(NONE);
-            let mut rest = run;
-            for g in 0..groups {
-                lists.table.push(field.prefix.len() as u32);
-                let n = rest.partition_point(|&l| group(self.product.links[l as usize].q) <= g);
-                let (mine, others) = rest.split_at(n);
-                rest = others;
-                if mine.is_empty() {
-                    continue;
-                }
-                let mut sum = DVec3::ZERO;
-                field.push_slot(sum.as_vec3(), DirectionCell::SPHERE, NONE);
-                for &l in mine {
-                    sum += density[l as usize] / field.scale;
-                    // The running sum *before* a link is at its slot, the one after it follows.
-                    let slot = field.prefix.len() as u32 - 1;
-                    slot_of[l as usize] = slot;
-                    field.set_slot(slot, self.product.links[l as usize].q, position as u32);
-                    field.push_slot(sum.as_vec3(), DirectionCell::SPHERE, NONE);
-                    position += 1;
-                }
-            }
-            lists.table.push(field.prefix.len() as u32);
-        }
-        (lists, slot_of)
-    }
-
-    fn r_of(&self, link: u32) -> u32 {
-        self.product.links[link as usize].r
-    }
-
-    fn parents(&self) -> Vec<u32> {
-        let mut parent = vec![NONE; self.space.nodes.len()];
-        for (i, n) in self.space.nodes.iter().enumerate() {
-            if n.first != 0 {
-                parent[n.first as usize..n.first as usize + 8].fill(i as u32);
-            }
-        }
-        parent
-    }
-
-    /// One record for each leaf of R: the flux of its whole path by group, where to enter P, and the
-    /// deepest list on its path.
-    fn fill_cells(&self, field: &mut Field, list_of: &[u32], parent: &[u32], groups: usize) {
-        // Parents come before children in the arena, so one pass knows every path.
-        let mut path_flux = vec![[Vec3::ZERO; 16]; self.space.nodes.len()];
-        let mut nearest = vec![NONE; self.space.nodes.len()];
-        for (i, node) in self.space.nodes.iter().enumerate() {
-            if let Some(p) = parent.get(i).filter(|p| **p != NONE) {
-                path_flux[i] = path_flux[*p as usize];
-                nearest[i] = nearest[*p as usize];
-            }
-            let list = list_of[i];
-            if list != NONE {
-                field.chain(list, nearest[i]);
-                nearest[i] = list;
-                for (g, sum) in path_flux[i].iter_mut().enumerate().take(groups) {
-                    let range = field.bucket(list, g);
-                    *sum += field.bucket_total(&range);
-                }
-            }
-            if node.first != 0 {
-                field.space.push(node.first);
-                continue;
-            }
-            field.space.push(Field::leaf_mark(field.cell_list.len()));
-            field.cell_list.push(nearest[i]);
-            field.cell_key.push(node.prefix);
-            let flux = &path_flux[i][..groups];
-            field.cell_flux.extend(flux.iter().map(|f| f.x));
-            field.cell_flux.extend(flux.iter().map(|f| f.y));
-            field.cell_flux.extend(flux.iter().map(|f| f.z));
-            for g in 0..groups {
-                let entry = self.entry(&field.nodes, node.prefix, g);
-                field.cell_entry.push(entry);
-            }
-        }
-    }
-
-    /// The node of P below which only finer directions and this cell's own splits remain.
-    fn entry(&self, packed: &[Node], key: u64, group: usize) -> Entry {
-        let base = self.traits.base_level;
-        let code = ((group as u64) << (2 * u32::from(CODE_LEVELS - base))) as u32;
-        let mut at = Place::ROOT;
-        loop {
-            let n = self.product.nodes[at.node as usize];
-            let done = n.split == Split::Direction && at.direction_level >= base;
-            match step(&self.product.nodes, &self.space.grid, key, code, at) {
-                Some(next) if !done => at = next,
-                _ => {
-                    return Entry {
-                        node: packed[at.node as usize],
-                        space_level: at.space_level,
-                        direction_level: at.direction_level,
-                    };
-                }
-            }
-        }
-    }
 }
 
 fn arity(split: Split) -> u32 {
@@ -333,17 +229,4 @@ fn blend(child: DVec3, parent: DVec3, weight: f64, measure: f64) -> DVec3 {
         share(child.y, parent.y),
         share(child.z, parent.z),
     )
-}
-
-/// P as the field has it. A node keeps its number, as `entry` knows it by that.
-fn pack_nodes(product: &Product, slot_of: &[u32]) -> Vec<Node> {
-    product
-        .nodes
-        .iter()
-        .map(|n| match n.split {
-            Split::Leaf => Node::new(slot_of[n.first as usize], 0),
-            Split::Space => Node::new(n.first, 1),
-            Split::Direction => Node::new(n.first, 2),
-        })
-        .collect()
 }

@@ -208,6 +208,7 @@
 //! [`LocalField::pdf`] 90 ns and [`LocalField::sample`] 220 ns; training 0.4 microseconds a photon on
 //! two threads; 58 bytes a link frozen, 305 while training (of which R's look-up tables are a part).
 
+mod adam;
 mod again;
 mod bytes;
 mod content;
@@ -218,9 +219,11 @@ mod freeze;
 mod gaussian;
 pub mod gmm;
 mod importance;
+mod intake;
 mod ledger;
 mod light_chance;
 mod links;
+mod lists;
 mod merge;
 mod model;
 mod query;

@@ -1,20 +1,14 @@
-//! The trainable field: *build* and *train*.
+//! The trainable field and how it is *built*. How it takes records in is in `intake.rs`.
 
-use super::again::{Recent, Vertex};
-use super::links::{Link, Place, Product, Split};
+use super::again::Recent;
+use super::links::{Link, Product, Split};
 use super::model::{Batch, Look, Region, StatSet, Traits};
-use super::record::{
-    Deposit, Dropped, Intake, Origin, PathSample, Photon, SurfacePoint, batch_unit,
-};
+use super::record::{Deposit, Origin, SurfacePoint};
 use super::settings::{GuideError, Settings, Source};
 use super::space::{Grid, Space};
 use super::tally::{Table, Tally, apportion};
 use crate::math::Frame;
 use crate::math::sum::SumUnit;
-use rayon::prelude::*;
-
-/// Records taken at a time: bounds the scratch memory, changes no result.
-pub(crate) const CHUNK: usize = 1 << 18;
 
 /// What came in so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
@@ -120,96 +114,6 @@ impl Trainer {
         } else {
             1.0
         };
-    }
-
-    /// *Train* on photons. `emitted` is how many photons the lights sent out to yield this batch.
-    /// The result does not depend on threads, nor on how photons are cut into batches between two
-    /// refinements.
-    pub fn train(&mut self, photons: &[Photon], emitted: u64) {
-        self.intakes.batches += 1;
-        self.intakes.emitted = self.intakes.emitted.saturating_add(emitted);
-        if self.photon_unit.is_none() {
-            self.photon_unit = batch_unit(photons.iter().map(|p| p.power));
-        }
-        let Some(unit) = self.photon_unit else {
-            return;
-        };
-        self.recent.start(Origin::Photon);
-        for chunk in photons.chunks(CHUNK) {
-            let intake = self.intake(unit);
-            let deposits: Vec<_> = chunk.par_iter().map(|p| intake.photon(p)).collect();
-            self.intakes.photons += self.deposit(deposits, unit, Origin::Photon);
-        }
-    }
-
-    /// *Train* on camera paths: every sampled direction of every vertex, dark ones included.
-    pub fn train_paths(&mut self, samples: &[PathSample]) {
-        self.intakes.batches += 1;
-        if self.path_unit.is_none() {
-            self.path_unit = batch_unit(samples.iter().map(|s| s.radiance));
-        }
-        // Vertices count even while everything is dark: they are the denominator.
-        let unit = self.path_unit.unwrap_or(SumUnit::from_exponent(0));
-        self.recent.start(Origin::Path);
-        for chunk in samples.chunks(CHUNK) {
-            let intake = self.intake(unit);
-            let deposits: Vec<_> = chunk.par_iter().map(|s| intake.path(s)).collect();
-            self.visit(chunk, &deposits);
-            self.deposit(deposits, unit, Origin::Path);
-        }
-    }
-
-    /// Counts the vertices of usable samples.
-    fn visit(&mut self, samples: &[PathSample], deposits: &[Result<Deposit, Dropped>]) {
-        let space = &self.space;
-        let place = |(sample, deposit): (&PathSample, &Result<Deposit, Dropped>)| {
-            let key = match deposit {
-                Ok(d) => d.key,
-                Err(Dropped::Dark) => space.grid.key(sample.position, sample.normal),
-                Err(_) => return None,
-            };
-            let (leaf, octant) = space.leaf_below(0, key);
-            Some((Vertex { key, leaf }, octant))
-        };
-        let visits: Vec<(Vertex, u32)> =
-            samples.par_iter().zip(deposits).filter_map(place).collect();
-        for (vertex, octant) in &visits {
-            self.space.nodes[vertex.leaf as usize].visits[*octant as usize] += 1;
-        }
-        self.intakes.paths += visits.len() as u64;
-        self.recent.keep_vertices(visits.into_iter().map(|v| v.0));
-    }
-
-    pub(crate) fn intake(&self, unit: SumUnit) -> Intake<'_> {
-        Intake {
-            settings: &self.settings,
-            grid: &self.space.grid,
-            unit,
-        }
-    }
-
-    /// Finds each record's link and adds it up there. Returns how many were used.
-    fn deposit(
-        &mut self,
-        deposits: Vec<Result<Deposit, Dropped>>,
-        unit: SumUnit,
-        origin: Origin,
-    ) -> u64 {
-        let mut usable = Vec::with_capacity(deposits.len());
-        for d in deposits {
-            match d {
-                Ok(d) => usable.push(d),
-                Err(Dropped::NonFinite) => self.intakes.dropped_non_finite += 1,
-                Err(Dropped::BadDirection) => self.intakes.dropped_direction += 1,
-                Err(Dropped::Dark) => {}
-            }
-        }
-        let mut places = vec![Place::ROOT; usable.len()];
-        let order = self.descend(&usable, &mut places, true);
-        self.add_up(&usable, &order, (unit, origin), Look::First);
-        let count = usable.len() as u64;
-        self.recent.keep(usable, places);
-        count
     }
 
     /// Adds records to their links, in the `order` that [`Trainer::descend`] gave.
@@ -354,7 +258,7 @@ impl Trainer {
 pub(crate) const NODE_BYTES: usize = size_of::<super::links::ProductNode>();
 /// Bytes of a node of R in training plus a frozen cell's look-up tables.
 pub(crate) const SPACE_BYTES: usize =
-    size_of::<super::space::SpaceNode>() + super::field::CELL_BYTES;
+    size_of::<super::space::SpaceNode>() + super::lists::CELL_BYTES;
 
 pub(crate) fn region(space: &Space, link: &Link) -> Region {
     Region {

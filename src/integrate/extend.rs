@@ -5,7 +5,7 @@
 //! so that record `i` is the same record wherever it is made.
 
 use super::guiding::Guide;
-use super::learn::{LearnSettings, Learned, lessons, trace_batch};
+use super::learn::{LearnSettings, Learned, lessons, trace_batch, train};
 use super::render::View;
 use crate::guide::{FieldFile, GuideError, Ledger, Numbers, Settings, Source};
 use crate::photon::PhotonCounts;
@@ -140,7 +140,7 @@ pub fn extend(
         let numbers = take(&mut file.ledger.paths, &base.ledger.paths, more, more.paths);
         for piece in pieces(numbers) {
             let lessons = lessons(view, Some(&guide), piece);
-            file.trainer.train_paths(&lessons.samples);
+            train(&mut file.trainer, &lessons);
         }
     }
     file.trainer.conclude(batches);

@@ -27,8 +27,9 @@ pub fn met_by(view: &View, paths: u64) -> Vec<SurfacePoint> {
         settings: &settings,
         ..*view
     };
-    let points = lessons(&view, None, 0..paths).samples.into_iter();
-    points
+    let waves = lessons(&view, None, 0..paths).into_iter();
+    waves
+        .flat_map(|wave| wave.samples)
         .map(|s| SurfacePoint {
             position: s.position,
             normal: s.normal,

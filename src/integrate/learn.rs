@@ -147,15 +147,15 @@ impl Learner {
     }
 
     /// Learns from `paths` camera paths that were guided by what was known until now.
-    pub fn take(&mut self, lessons: &Lessons, paths: u64) {
+    pub fn take(&mut self, lessons: &[Lessons], paths: u64) {
         let start = Instant::now();
         self.taught = self.taught.saturating_add(paths);
-        self.trainer.train_paths(&lessons.samples);
+        train(&mut self.trainer, lessons);
         self.trainer.refine_rounds(ROUNDS);
         if self.mixture.is_none() {
-            self.guide
-                .fractions
-                .update(&self.guide.field, &lessons.fractions);
+            let parts: Vec<_> = lessons.iter().map(|l| &l.fractions[..]).collect();
+            let Guide { field, fractions } = &mut self.guide;
+            fractions.update_in_parts(field, &parts);
         }
         let field = self.trainer.freeze();
         let fractions = self.guide.fractions.carried_over(&self.guide.field, &field);
@@ -231,15 +231,21 @@ fn prepare(scene: &Scene, settings: &LearnSettings) -> Result<Trainer, GuideErro
     Ok(trainer)
 }
 
-/// Traces camera paths, in waves side by side whose lessons are joined in order. Path `i` of a film of
+/// *Trains* on what camera paths taught.
+pub(super) fn train(trainer: &mut Trainer, lessons: &[Lessons]) {
+    let parts: Vec<_> = lessons.iter().map(|l| &l.samples[..]).collect();
+    trainer.train_paths_in_parts(&parts);
+}
+
+/// Traces camera paths, in waves side by side; the lessons of each, in order. Path `i` of a film of
 /// n pixels looks through a pixel of its own, so that a long enough run covers the film evenly.
-pub(super) fn lessons(view: &View, guide: Option<&Guide>, range: Range<u64>) -> Lessons {
+pub(super) fn lessons(view: &View, guide: Option<&Guide>, range: Range<u64>) -> Vec<Lessons> {
     let starts: Vec<u64> = range.clone().step_by(WAVE_PATHS as usize).collect();
     let walk = Walk {
         guide: guide.map(Into::into),
         ..view.walk()
     };
-    let waves: Vec<_> = starts
+    starts
         .par_iter()
         .map_init(<(Wave, Records)>::default, |(wave, records), &from| {
             wave.clear();
@@ -252,12 +258,7 @@ pub(super) fn lessons(view: &View, guide: Option<&Guide>, range: Range<u64>) -> 
             records.conclude(outcomes, &mut lessons);
             lessons
         })
-        .collect();
-    let mut all = Lessons::default();
-    for wave in waves {
-        all.append(wave);
-    }
-    all
+        .collect()
 }
 
 /// Camera ray `i` of training and the numbers of its path.

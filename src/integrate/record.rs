@@ -14,18 +14,21 @@ use crate::math::{Rgb, Vec3};
 
 /// Watches paths while they travel. `()` watches nothing and costs nothing.
 pub trait Witness {
-    /// Whether [`Witness::leave`] wants to be called at all.
-    const WATCHES: bool;
+    /// Whether [`Witness::leave`] is to be called for this path.
+    fn wants(&self, slot: u32) -> bool;
     /// A path reached its next vertex, or left the scene; `radiance` is what it came to so far.
     fn arrive(&mut self, slot: u32, radiance: Rgb, distance: f32);
-    /// A path goes on from a vertex, or ends there.
+    /// A path that it wants to know of goes on from a vertex, or ends there.
     fn leave(&mut self, slot: u32, departure: Departure);
     /// The light sample of the vertex that the path has just left was not blocked and brought `radiance`.
     fn lit(&mut self, slot: u32, radiance: Rgb);
 }
 
 impl Witness for () {
-    const WATCHES: bool = false;
+    #[inline]
+    fn wants(&self, _: u32) -> bool {
+        false
+    }
     #[inline]
     fn arrive(&mut self, _: u32, _: Rgb, _: f32) {}
     #[inline]
@@ -109,7 +112,10 @@ pub struct Lessons {
 }
 
 impl Witness for Records {
-    const WATCHES: bool = true;
+    #[inline]
+    fn wants(&self, slot: u32) -> bool {
+        slot % self.stride == 0
+    }
 
     fn arrive(&mut self, slot: u32, radiance: Rgb, distance: f32) {
         let Some(open) = self.open.get_mut(slot as usize) else {
@@ -124,7 +130,7 @@ impl Witness for Records {
     }
 
     fn leave(&mut self, slot: u32, departure: Departure) {
-        if slot % self.stride != 0 {
+        if !self.wants(slot) {
             return;
         }
         let slots = slot as usize + 1;
@@ -240,9 +246,9 @@ impl Lessons {
         }));
     }
 
-    /// Adds another wave's lessons behind these.
-    pub fn append(&mut self, mut other: Lessons) {
-        self.samples.append(&mut other.samples);
-        self.fractions.append(&mut other.fractions);
+    /// Forgets all, but keeps the memory.
+    pub fn clear(&mut self) {
+        self.samples.clear();
+        self.fractions.clear();
     }
 }

@@ -28,15 +28,23 @@ pub(super) fn teach(
     elapsed: &dyn Fn() -> Duration,
 ) {
     let pixels = u64::from(film.width()) * u64::from(film.height());
+    // What the tiles teach, in memory that is kept from pass to pass.
+    let mut lessons = Vec::new();
     let mut from = 0;
     while learner.wants_more() && from < limits.spp {
         let begin = elapsed();
         let to = from + from.clamp(1, PASS_SPP).min(limits.spp - from);
         let paths = pixels * (to - from);
         let stride = paths.div_ceil(MOST_PUPILS);
-        let Some(lessons) = pass(job, film, from..to, learner.guide(), stride as u32) else {
+        if !pass(
+            job,
+            film,
+            from..to,
+            (learner.guide(), stride as u32),
+            &mut lessons,
+        ) {
             return;
-        };
+        }
         if to == limits.spp {
             return;
         }
@@ -69,44 +77,35 @@ pub(super) fn teach(
     }
 }
 
-/// Takes the samples `range` of every pixel, guided by `guide`; one in `stride` teaches. `None` if the
-/// observer stopped it before all tiles were there.
+/// Takes the samples `range` of every pixel, guided by `guide`; one in `stride` teaches, tile by tile. `false` if
+/// the observer stopped it before all tiles were there.
 fn pass(
     job: &Job,
     film: &mut Film,
     range: Range<u64>,
-    guide: &Guide,
-    stride: u32,
-) -> Option<Lessons> {
+    (guide, stride): (&Guide, u32),
+    lessons: &mut Vec<Lessons>,
+) -> bool {
     let walk = Walk {
         guide: Some(guide.into()),
         ..job.view.walk()
     };
-    let tiles: Vec<Option<Lessons>> = film
-        .tiles_mut()
+    let tiles = film.tiles_mut();
+    lessons.resize_with(tiles.len(), Lessons::default);
+    tiles
         .par_iter_mut()
+        .zip(lessons)
         .with_max_len(1)
-        .map(|tile| {
+        .all(|(tile, lessons)| {
             if job.observer.should_stop() {
-                return None;
+                return false;
             }
-            let mut lessons = Lessons::default();
+            lessons.clear();
             let mut records = Records::every(stride);
-            job.render_tile(
-                &walk,
-                tile,
-                range.clone(),
-                &mut records,
-                |records, outcomes| {
-                    records.conclude(outcomes, &mut lessons);
-                },
-            );
-            Some(lessons)
+            let range = range.clone();
+            job.render_tile(&walk, tile, range, &mut records, |records, outcomes| {
+                records.conclude(outcomes, lessons);
+            });
+            true
         })
-        .collect();
-    let mut all = Lessons::default();
-    for lessons in tiles {
-        all.append(lessons?);
-    }
-    Some(all)
 }

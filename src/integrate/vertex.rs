@@ -291,7 +291,7 @@ fn watch<W: Witness>(
     onward: Option<&(BsdfSample, f32)>,
     witness: &mut W,
 ) {
-    if !W::WATCHES || !is_guidable(vertex.bsdf) {
+    if !witness.wants(path.slot) || !is_guidable(vertex.bsdf) {
         return;
     }
     // A delta lobe was chosen: no smooth direction was. That counts as a vertex without one.

@@ -18,7 +18,10 @@ pub fn erf(x: f32) -> f32 {
     (1.0 - p * exp_negative(-x * x)).copysign(x)
 }
 
-/// e^x for x <= 0, to 2e-7; 0 below -87. Without a branch, so that loops over it become vector code, and the
+/// [`exp_negative`] is 0 from here on.
+pub const VANISHING: f32 = -87.0;
+
+/// e^x for x <= 0, to 2e-7; 0 from [`VANISHING`] on. Without a branch, so that loops over it become vector code, and the
 /// same bits on every machine.
 ///
 /// ```
@@ -28,7 +31,7 @@ pub fn erf(x: f32) -> f32 {
 pub fn exp_negative(x: f32) -> f32 {
     /// Adding it leaves the nearest integer in the lowest bits.
     const MAGIC: f32 = 12_582_912.0;
-    let x = x.max(-87.0);
+    let x = x.max(VANISHING);
     let shifted = x * std::f32::consts::LOG2_E + MAGIC;
     let n = shifted - MAGIC;
     // ln 2 in two parts: n times the first is exact.
@@ -42,7 +45,7 @@ pub fn exp_negative(x: f32) -> f32 {
         ((shifted.to_bits() as i32).wrapping_shl(23)).wrapping_add(0x3f80_0000) as u32,
     );
     let value = p * power;
-    if x <= -87.0 { 0.0 } else { value }
+    if x <= VANISHING { 0.0 } else { value }
 }
 
 /// The x with erf(x) = `y`, for `y` in `[-1, 1]`; +-1 give the largest finite value, about 3.8

@@ -78,7 +78,8 @@ impl Moments {
                 *sum += i128::from((g * m) as i64);
             }
         }
-        self.fresh_square += (units * units * SQUARE_QUANTA) as i128;
+        // Never nothing: whether there are records is told by it.
+        self.fresh_square += ((units * units * SQUARE_QUANTA) as i128).max(1);
     }
 
     /// What is remembered and what was added since.
@@ -122,6 +123,9 @@ impl Moments {
 
     /// Forgets what was added.
     pub fn clear(&mut self) {
+        if self.is_settled() {
+            return;
+        }
         self.fresh = Default::default();
         self.fresh_square = 0;
     }

@@ -34,6 +34,12 @@ fn departure(x: f32, onward: Option<Onward>) -> Departure {
 }
 
 fn conclude(records: &mut Records, radiances: &[Rgb]) -> Lessons {
+    let mut lessons = Lessons::default();
+    conclude_into(records, radiances, &mut lessons);
+    lessons
+}
+
+fn conclude_into(records: &mut Records, radiances: &[Rgb], lessons: &mut Lessons) {
     let outcomes: Vec<Outcome> = radiances
         .iter()
         .map(|&radiance| Outcome {
@@ -41,9 +47,7 @@ fn conclude(records: &mut Records, radiances: &[Rgb]) -> Lessons {
             ..Outcome::default()
         })
         .collect();
-    let mut lessons = Lessons::default();
-    records.conclude(&outcomes, &mut lessons);
-    lessons
+    records.conclude(&outcomes, lessons);
 }
 
 /// Two paths, vertex by vertex in turn, as waves advance.
@@ -173,7 +177,7 @@ fn waves_do_not_remember_each_other() {
     let mut all = Lessons::default();
     for x in [1.0, 2.0] {
         r.leave(0, departure(x, Some(onward(Rgb::ONE))));
-        all.append(conclude(&mut r, &outcomes));
+        conclude_into(&mut r, &outcomes, &mut all);
     }
     let order: Vec<f32> = all.samples.iter().map(|s| s.position.x).collect();
     assert_eq!(order, [1.0, 2.0]);
