@@ -178,6 +178,9 @@
 //!   the learned one: 0.195, 0.257, 0.478 against 0.144. Sorting the vertices of a wave by position before they
 //!   ask the field: 3 to 8 % faster with a field, 8 to 19 % slower without. Laying out the links of each cell side
 //!   by side: ten times the memory, no gain. Look-ups wait for memory, not for arithmetic.
+//! * **Resampling by the BSDF.** Of one direction from the field and one from the BSDF, the one that the product of both
+//!   prefers, as Cycles does: on surfaces that are not matt 8.55 against 8.54 in a kitchen and 4.75 against 4.73 in
+//!   veach-ajar; everywhere 8.30 and 4.86, for 6 and 4 % more rays. The variance is not made at glossy lobes. Not kept.
 //! * **Lobes that move.** Means linear in the place within the cell, by weighted regression, so that one lobe follows
 //!   a lamp, or the sun through a wave, across its cell. Cells may then be larger: with a quarter of them, relative
 //!   variance 4.2 instead of 4.7 in veach-ajar, 30 instead of 32 in lux-pool, the same in a kitchen, 4.0 instead of
