@@ -11,7 +11,7 @@ use super::settings::Product;
 use super::space::Grid;
 use crate::math::{Rgb, Vec3};
 
-/// An immutable learned field. Cheap to share between threads; made by [`Trainer::freeze`].
+/// An immutable learned field. Cheap to share between threads; made by [`Trainer::freeze`](super::Trainer::freeze).
 #[derive(Clone, Debug)]
 pub struct Field {
     pub(crate) grid: Grid,
@@ -58,7 +58,7 @@ impl Field {
 
     /// The distribution of light at a point.
     ///
-    /// `normal` (unit), where given, keeps samples above its horizon as [`Settings::product`] says.
+    /// `normal` (unit), where given, keeps samples above its horizon as [`Settings::product`](super::Settings::product) says.
     /// A field split by normals needs it to find the right cell.
     /// `throughput` weights the colours: light that the path's throughput would absorb is not looked
     /// for; pass white when unsure. Neither changes which directions are possible, only how likely.
