@@ -82,6 +82,26 @@ fn cutting_records_into_batches_changes_nothing() {
 }
 
 #[test]
+fn a_batch_in_parts_is_the_batch() {
+    for model in ModelKind::ALL {
+        let base = learn(*model);
+        // More than are taken at a time, in parts large and small, some of them empty.
+        let s = samples(300_000, 12);
+        let mut parts: Vec<&[PathSample]> = s[100_000..].chunks(70_001).collect();
+        parts.splice(0..0, s[..100_000].chunks(777));
+        parts.insert(5, &[]);
+        let mut whole = base.clone();
+        whole.train_paths(&s);
+        let mut cut = base;
+        cut.train_paths_in_parts(&parts);
+        for t in [&mut whole, &mut cut] {
+            t.refine_rounds(2);
+        }
+        assert!(cut.to_bytes() == whole.to_bytes(), "{model:?}");
+    }
+}
+
+#[test]
 fn shards_add_up_to_the_whole_to_the_bit() {
     for model in ModelKind::ALL {
         let base = learn(*model);

@@ -235,8 +235,10 @@ fn fractions_learn_which_strategy_pays() {
     assert!(at(good) > 0.8 && at(good) <= 0.9, "{}", at(good));
     assert!(at(bad) < 0.2 && at(bad) >= 0.1, "{}", at(bad));
     assert_eq!(f.chances(u32::MAX).field, 0.5);
+    // In parts, too, some of them empty.
+    let (first, rest) = records.split_at(601);
     let mut again = Fractions::new(&field);
-    again.update(&field, &records);
+    again.update_in_parts(&field, &[&[], first, &[], rest, &[]]);
     assert_eq!(f, again);
 }
 
