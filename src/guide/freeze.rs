@@ -1,4 +1,4 @@
-//! From sums to something to sample: densities, lists of links, prefix sums.
+//! From sums to something to sample: densities, cells, and who learns from whom.
 
 use super::field::{Field, LEAF};
 use super::links::Split;

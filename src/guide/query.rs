@@ -81,14 +81,9 @@ impl<'f> LocalField<'f> {
     #[inline]
     fn running(&self, lists: &Lists) -> [f32; GROUPS] {
         let [r, g, b] = self.field.flux(self.cell);
-        let (
-            c,
-            Query {
-                normal, product, ..
-            },
-        ) = (self.channels, self.query);
+        let c = self.channels;
         let weights: [f32; GROUPS] = std::array::from_fn(|i| {
-            (c.x * r[i] + c.y * g[i] + c.z * b[i]) * lists.factor(i, normal, product)
+            (c.x * r[i] + c.y * g[i] + c.z * b[i]) * lists.factor(i, &self.query)
         });
         let mut sum = 0.0;
         weights.map(|w| {
@@ -163,11 +158,8 @@ impl<'f> LocalField<'f> {
         if mass <= 0.0 {
             return 0.0;
         }
-        let Query {
-            normal, product, ..
-        } = self.query;
         let local = self.field.models.pdf(slot.model, slot.q, &self.query, w);
-        mass / self.total * lists.factor(slot.group, normal, product) * local
+        mass / self.total * lists.factor(slot.group, &self.query) * local
     }
 
     #[inline]

@@ -130,9 +130,6 @@ impl Witness for Records {
     }
 
     fn leave(&mut self, slot: u32, departure: Departure) {
-        if !self.wants(slot) {
-            return;
-        }
         let slots = slot as usize + 1;
         if self.open.len() < slots {
             self.open.resize(slots, NONE);

@@ -102,9 +102,9 @@ impl Lists {
         let mut nearest = vec![NONE; nodes.len()];
         let mut cell_flux = Vec::new();
         for (i, node) in nodes.iter().enumerate() {
-            if let Some(p) = Some(parent[i]).filter(|&p| p != NONE) {
-                path_flux[i] = path_flux[p as usize];
-                nearest[i] = nearest[p as usize];
+            if parent[i] != NONE {
+                path_flux[i] = path_flux[parent[i] as usize];
+                nearest[i] = nearest[parent[i] as usize];
             }
             let list = list_of[i];
             if list != NONE {

@@ -16,6 +16,7 @@
 mod build;
 
 use super::links::quadrant;
+use super::model::Query;
 use super::settings::Product;
 use super::space::Grid;
 use crate::math::Vec3;
@@ -117,10 +118,11 @@ impl Caps {
 }
 
 impl Lists {
-    /// What a normal makes of a base cell, see [`super::Settings::product`].
+    /// What the query's normal makes of a base cell, see [`super::Settings::product`].
     #[inline]
-    pub fn factor(&self, group: usize, normal: Option<Vec3>, product: Product) -> f32 {
-        normal.map_or(1.0, |n| self.caps.factor(group, n, product))
+    pub fn factor(&self, group: usize, query: &Query) -> f32 {
+        let factor = |n| self.caps.factor(group, n, query.product);
+        query.normal.map_or(1.0, factor)
     }
 
     /// A cell's link in a base cell, for a uniform `y` and these weights of the channels: list of the path, then
