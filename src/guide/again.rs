@@ -20,10 +20,17 @@ const MOST: usize = 1 << 22;
 /// Iterations of fitting after the last new lobe.
 const UNDISTURBED: u32 = 2;
 
+/// A batch with less than this share of the records before it is looked at once: what lobes its records belong to
+/// hardly changes from one look to the next. (Thirty equal batches of photons, RMSE over that of cached mixtures:
+/// door 1.07 instead of 1.09. With batches that double this is never so.)
+const SMALL: f64 = 0.2;
+
 /// The records of the last batch.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Recent {
     origin: Option<Origin>,
+    /// Records of this origin before the batch.
+    before: u64,
     deposits: Vec<Deposit>,
     places: Vec<Place>,
     vertices: Vec<Vertex>,
@@ -38,10 +45,11 @@ pub(crate) struct Vertex {
 }
 
 impl Recent {
-    /// Forgets all and waits for a batch of this origin.
-    pub fn start(&mut self, origin: Origin) {
+    /// Forgets all and waits for a batch of this origin, which there were so many records of `before`.
+    pub fn start(&mut self, origin: Origin, before: u64) {
         self.forget();
         self.origin = Some(origin);
+        self.before = before;
     }
 
     /// Forgets all, but keeps the memory for the next batch.
@@ -106,7 +114,7 @@ impl Trainer {
     /// Fits models to the batch on the links as they are now: from the parameters as they were, each time it
     /// is found anew which record belongs to what, and the best parameters for that are taken.
     fn iterate(&mut self, recent: &mut Recent, origin: Origin) {
-        let (iterations, Some(unit)) = (self.traits.iterations, self.unit(origin)) else {
+        let (iterations, Some(unit)) = (self.looks(recent, origin), self.unit(origin)) else {
             return;
         };
         if iterations == 0 {
@@ -128,6 +136,14 @@ impl Trainer {
                 self.stats.reseed();
             }
         }
+    }
+
+    /// How often models are fitted to the batch.
+    fn looks(&self, recent: &Recent, origin: Origin) -> u32 {
+        let before = recent.before as f64;
+        let batch = self.intakes.of(origin) as f64 - before;
+        let most = if batch < SMALL * before { 1 } else { u32::MAX };
+        self.traits.iterations.min(most)
     }
 
     /// Fills the tables of links made since, and returns these links.
@@ -178,5 +194,42 @@ impl Trainer {
             .collect();
         order.par_sort_unstable();
         order
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{ModelKind, Photon, Settings};
+    use super::*;
+    use crate::math::{Pcg32, Rgb, Vec3};
+
+    #[test]
+    fn only_a_batch_beside_which_much_is_known_is_looked_at_once() {
+        let settings = Settings {
+            model: ModelKind::Gauss,
+            ..Settings::new(Vec3::ZERO, Vec3::ONE)
+        };
+        let mut trainer = Trainer::build(settings).unwrap();
+        let mut rng = Pcg32::new(5, 6);
+        let mut looks = |count: u32| {
+            let photon = |_| Photon {
+                position: Vec3::new(rng.next_f32(), rng.next_f32(), 0.0),
+                direction: Vec3::Z,
+                power: Rgb::ONE,
+                distance: 1.0,
+                normal: Vec3::Z,
+            };
+            let photons: Vec<Photon> = (0..count).map(photon).collect();
+            trainer.train(&photons, u64::from(count));
+            let looks = trainer.looks(&trainer.recent, Origin::Photon);
+            trainer.refine_rounds(1);
+            looks
+        };
+        let many = looks(100);
+        assert!(many > 1);
+        for count in [100, 200, 400] {
+            assert_eq!(looks(count), many);
+        }
+        assert_eq!((looks(160), looks(150)), (many, 1));
     }
 }

@@ -82,7 +82,8 @@ impl Trainer {
         let Some(unit) = self.photon_unit else {
             return;
         };
-        self.recent.start(Origin::Photon);
+        self.recent
+            .start(Origin::Photon, self.intakes.of(Origin::Photon));
         for photons in photons.chunks(PIECES * PIECE) {
             let intake = self.intake(unit);
             let check = |piece| Checked::photons(piece, &intake);
@@ -104,7 +105,8 @@ impl Trainer {
         }
         // Vertices count even while everything is dark.
         let unit = self.path_unit.unwrap_or(SumUnit::from_exponent(0));
-        self.recent.start(Origin::Path);
+        self.recent
+            .start(Origin::Path, self.intakes.of(Origin::Path));
         let pieces: Vec<_> = parts.iter().flat_map(|p| p.chunks(PIECE)).collect();
         for pieces in pieces.chunks(PIECES) {
             let (intake, space) = (self.intake(unit), &self.space);

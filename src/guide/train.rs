@@ -29,6 +29,16 @@ pub struct Intakes {
     pub dropped_direction: u64,
 }
 
+impl Intakes {
+    /// Records used of an origin.
+    pub(crate) fn of(&self, origin: Origin) -> u64 {
+        match origin {
+            Origin::Photon => self.photons,
+            Origin::Path => self.paths,
+        }
+    }
+}
+
 /// A field that is being learned. See the [module](super).
 #[derive(Clone, Debug)]
 pub struct Trainer {
