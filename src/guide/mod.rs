@@ -251,6 +251,7 @@ mod stats;
 mod tally;
 mod train;
 
+pub use again::BATCH;
 pub use field::Field;
 pub use file::FieldFile;
 pub use fraction::{Chances, FLOOR, FractionRecord, Fractions};

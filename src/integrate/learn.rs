@@ -14,10 +14,11 @@ use super::vertex::Walk;
 use super::wave::Wave;
 use crate::camera::CameraRay;
 use crate::guide::{
-    Field, Fractions, GuideError, ModelKind, Photon, Settings, Source, Stats, SurfacePoint, Trainer,
+    BATCH, Field, Fractions, GuideError, ModelKind, Photon, Settings, Source, Stats, SurfacePoint,
+    Trainer,
 };
 use crate::math::{PathSampler, Vec2};
-use crate::photon::schedule::{Budget, Experience, Schedule, doubling};
+use crate::photon::schedule::{Budget, Experience, Schedule, doubling, part};
 use crate::photon::wave::PhotonWave;
 use crate::photon::{Landing, PhotonCounts, PhotonSettings};
 use crate::scene::Scene;
@@ -96,15 +97,21 @@ impl Learner {
         }
         let mut counts = PhotonCounts::default();
         let mut schedule = Schedule::new(settings.photons);
-        while let Some(photons) = schedule.next_batch() {
-            let emitted = photons.end - photons.start;
-            let (landed, batch) = trace_batch(scene, settings, photons);
-            counts += batch;
-            trainer.train(&landed, emitted);
-            let refined = trainer.refine_rounds(ROUNDS);
+        let mut landings = 0;
+        while let Some(mut photons) = schedule.next_batch() {
+            let (before, mut gain) = (landings, 0.0);
+            while !photons.is_empty() {
+                let part = part(&mut photons, landings, BATCH);
+                let emitted = part.end - part.start;
+                let (landed, batch) = trace_batch(scene, settings, part);
+                counts += batch;
+                landings += landed.len() as u64;
+                trainer.train(&landed, emitted);
+                gain += trainer.refine_rounds(ROUNDS).gain;
+            }
             schedule.learned(Experience {
-                landings: landed.len() as u64,
-                gain: refined.gain,
+                landings: landings - before,
+                gain,
                 elapsed: start.elapsed(),
             });
         }

@@ -31,6 +31,11 @@ const TELLING: u64 = 15 * FIRST;
 /// Photons after which all trees are large enough.
 const MOST: u64 = 1 << 25;
 
+/// Photons that are traced together before any has landed.
+const FIRST_PART: u64 = 1 << 18;
+/// No part of a batch is smaller, however often photons land.
+const LEAST_PART: u64 = 1 << 13;
+
 /// What photons may cost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Budget {
@@ -133,6 +138,21 @@ impl Schedule {
     }
 }
 
+/// Takes from the photons of a batch as many as will land about `wanted` times, if they land as often as all photons
+/// before them did, which landed `landings` times: a large batch is traced and learned from in parts, so that no
+/// more landings are ever held.
+pub fn part(batch: &mut Range<u64>, landings: u64, wanted: u64) -> Range<u64> {
+    let traced = batch.start;
+    let size = match landings {
+        0 => FIRST_PART.max(traced),
+        n => (u128::from(wanted) * u128::from(traced) / u128::from(n)) as u64,
+    };
+    let end = batch.start.saturating_add(size.max(LEAST_PART));
+    let part = batch.start..end.min(batch.end);
+    batch.start = part.end;
+    part
+}
+
 /// Cuts `records` into `count` ranges, each twice as long as the one before; empty ones are left out.
 pub fn doubling(records: u64, count: u32) -> Vec<Range<u64>> {
     let count = count.clamp(1, 32);
@@ -146,6 +166,27 @@ pub fn doubling(records: u64, count: u32) -> Vec<Range<u64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn parts_of_a_batch_are_the_batch_and_land_as_often_as_wanted() {
+        let (mut batch, mut landings, mut parts) = (0..10_000_000, 0, Vec::new());
+        while !batch.is_empty() {
+            let part = part(&mut batch, landings, 1_000_000);
+            landings += 5 * (part.end - part.start);
+            parts.push(part);
+        }
+        assert_eq!(
+            (parts[0].start, parts[parts.len() - 1].end),
+            (0, 10_000_000)
+        );
+        assert!(parts.windows(2).all(|w| w[0].end == w[1].start));
+        let sizes = parts[1..parts.len() - 1].iter().map(|p| p.end - p.start);
+        assert!(sizes.clone().all(|s| s == 200_000) && sizes.count() > 40);
+        // Where nothing lands, parts double; where landings never end, they go on.
+        let mut dark = 1 << 20..u64::MAX;
+        assert_eq!(part(&mut dark, 0, 1000), 1 << 20..1 << 21);
+        assert_eq!(part(&mut (8..u64::MAX), u64::MAX, 1), 8..8 + LEAST_PART);
+    }
 
     fn photons(budget: Budget, each: impl Fn(Range<u64>) -> Experience) -> u64 {
         let mut schedule = Schedule::new(budget);
