@@ -82,8 +82,7 @@ impl Trainer {
         let Some(unit) = self.photon_unit else {
             return;
         };
-        self.recent
-            .start(Origin::Photon, self.intakes.of(Origin::Photon));
+        self.recent.start(Origin::Photon, self.intakes.photons);
         for photons in photons.chunks(PIECES * PIECE) {
             let intake = self.intake(unit);
             let check = |piece| Checked::photons(piece, &intake);
@@ -105,8 +104,7 @@ impl Trainer {
         }
         // Vertices count even while everything is dark.
         let unit = self.path_unit.unwrap_or(SumUnit::from_exponent(0));
-        self.recent
-            .start(Origin::Path, self.intakes.of(Origin::Path));
+        self.recent.start(Origin::Path, self.intakes.paths);
         let pieces: Vec<_> = parts.iter().flat_map(|p| p.chunks(PIECE)).collect();
         for pieces in pieces.chunks(PIECES) {
             let (intake, space) = (self.intake(unit), &self.space);

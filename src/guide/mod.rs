@@ -194,8 +194,8 @@
 //!   direction cells, and cells divided where that shows a gain, at the latest with 64 instead of 4 times the
 //!   records: relative variance 4.55 instead of 4.73 in veach-ajar, 1.62 instead of 1.84 in the caustic, but 33.2
 //!   instead of 32.2 in lux-pool and, of 128 samples, 8.69 instead of 8.59 in a kitchen, 8.4 instead of 7.9 in the
-//!   torus. Not kept. From nine million photons (door, RMSE over that of cached mixtures, 1.08): 1.08; with a quarter
-//!   of the memory 1.08, with four times as much 1.08; splits ranked by where camera paths go instead of by flux 1.08;
+//!   torus. Not kept. From nine million photons (door, RMSE over that of cached mixtures, 1.09 before large batches were
+//!   learned in parts): 1.08; with a quarter of the memory 1.08, with four times as much 1.08; splits ranked by where camera paths go instead of by flux 1.08;
 //!   records moved at random by half a cell's width or all of it, so that cells overlap, 1.09 and more.
 //! * **What is left in a torus in glass** are paths whose last direction no cell has met: bent through the rounded
 //!   edges of the glass, it is another one from every point. Needles of the whole scene beside those of the

@@ -139,8 +139,8 @@ impl Schedule {
 }
 
 /// Takes from the photons of a batch as many as will land about `wanted` times, if they land as often as all photons
-/// before them did, which landed `landings` times: a large batch is traced and learned from in parts, so that no
-/// more landings are ever held.
+/// before them did, which landed `landings` times: a large batch is traced and learned from in parts, so that
+/// few more landings than that are held.
 pub fn part(batch: &mut Range<u64>, landings: u64, wanted: u64) -> Range<u64> {
     let traced = batch.start;
     let size = match landings {
