@@ -202,6 +202,12 @@ impl Bsdf {
         albedo.clamp(Rgb::ZERO, Rgb::ONE)
     }
 
+    /// Whether it is known to look the same from all directions on one side.
+    #[inline]
+    pub fn is_diffuse(&self) -> bool {
+        matches!(self.form, Form::Diffuse(_))
+    }
+
     /// Smallest roughness alpha among the smooth lobes: 1 for diffuse, 0 if there is none. Decides what guiding may touch.
     #[inline]
     pub fn roughness(&self) -> f32 {

@@ -3,7 +3,8 @@
 use super::args::{Accel, LightArgs, SceneArgs};
 use super::values::{self, Definition, Depth, Mixture, Pixel};
 use crate::film::Shard;
-use clap::{Args, ValueEnum};
+use crate::integrate::reuse;
+use clap::{Args, ValueEnum, value_parser};
 use std::path::PathBuf;
 
 /// How directions are guided.
@@ -39,7 +40,20 @@ pub struct GuideArgs {
         help_heading = "Guiding"
     )]
     pub roulette: RouletteBy,
+    /// How many pixels' paths share what they find behind their first rough vertices, where a field guides;
+    /// 1: each is for itself, and the noise of neighbours independent
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = REUSE,
+        value_parser = value_parser!(u32).range(1..=i64::from(reuse::MOST)),
+        help_heading = "Guiding"
+    )]
+    pub reuse: u32,
 }
+
+/// How many paths share what they find, unless told otherwise.
+const REUSE: u32 = 8;
 
 /// What Russian roulette goes by where a field guides.
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]

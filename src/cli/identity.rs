@@ -107,6 +107,7 @@ fn settings(args: &RenderArgs, subject: &Subject, limits: &Limits) -> Vec<(Strin
         add("--guide", &Guide::Double);
         add("--mixture", &args.guide.mixture.0);
         add("--roulette", &args.guide.roulette);
+        add("--reuse", &args.guide.reuse);
         return list;
     }
     let (guide, learn) = (args.guide.guide.unwrap_or(Guide::None), &args.guide.learn);
@@ -127,6 +128,7 @@ fn settings(args: &RenderArgs, subject: &Subject, limits: &Limits) -> Vec<(Strin
         add("--guide-model", &learn.guide_model);
         add("--mixture", &args.guide.mixture.0);
         add("--roulette", &args.guide.roulette);
+        add("--reuse", &args.guide.reuse);
     }
     list
 }

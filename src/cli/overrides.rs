@@ -122,6 +122,7 @@ pub fn path_settings(args: &LightArgs, scene: &RenderDescription) -> PathSetting
         max_depth: max_depth.unwrap_or(u32::MAX),
         rr_depth: args.rr_depth.unwrap_or(scene.rr_depth),
         roulette: Roulette::default(),
+        reuse: 1,
         hide_emitters: args.hide_emitters || scene.hide_emitters,
         strict_normals: args.strict_normals || scene.strict_normals,
         sampler: match args.sampler {
@@ -137,6 +138,7 @@ pub fn path_settings(args: &LightArgs, scene: &RenderDescription) -> PathSetting
 pub fn guided_path_settings(args: &RenderArgs, scene: &RenderDescription) -> PathSettings {
     PathSettings {
         roulette: roulette(&args.guide),
+        reuse: args.guide.reuse,
         ..path_settings(&args.light, scene)
     }
 }

@@ -29,7 +29,7 @@ pub fn run(args: &RenderArgs, pixel: [u32; 2]) -> Result<(), Failure> {
     let scene = loaded.build(&args.rays)?;
     let description = &loaded.description;
     let film = &description.film;
-    let settings = overrides::path_settings(&args.light, &description.render);
+    let settings = overrides::guided_path_settings(args, &description.render);
     let limits = overrides::limits(&args.stop, &description.render);
     let camera = Camera::new(&description.camera, film.width, film.height);
     let plain = View {
@@ -53,6 +53,12 @@ pub fn run(args: &RenderArgs, pixel: [u32; 2]) -> Result<(), Failure> {
     };
     let traced = trace_sample(&view, pixel, sample);
     print!("{}", text(pixel, sample, &traced, &names));
+    if view.guide.is_some() && settings.reuse > 1 {
+        println!(
+            "That is the path by itself: in the image it shares with others (--reuse {}).",
+            settings.reuse
+        );
+    }
     Ok(())
 }
 

@@ -15,7 +15,7 @@ use crate::math::Rgb;
 #[derive(Default)]
 pub struct Forks {
     samples: u32,
-    /// For each further account, which one it belongs to: an earlier one.
+    /// For each further account, which one it belongs to: an earlier one, or itself if it is detached.
     parents: Vec<u32>,
     waiting: Vec<(Path, Ray)>,
 }
@@ -33,6 +33,21 @@ impl Forks {
     pub fn open(&mut self, parent: u32) -> u32 {
         self.parents.push(parent);
         self.samples + self.parents.len() as u32 - 1
+    }
+
+    /// The sample that an account belongs to in the end.
+    #[inline]
+    pub fn sample_of(&self, mut account: u32) -> u32 {
+        while account >= self.samples {
+            account = self.parents[(account - self.samples) as usize];
+        }
+        account
+    }
+
+    /// An account that [`Forks::settle`] is not to add to the one that it belongs to.
+    #[inline]
+    pub fn detach(&mut self, account: u32) {
+        self.parents[(account - self.samples) as usize] = account;
     }
 
     /// How many accounts there are, the samples' included.
@@ -91,8 +106,11 @@ impl Forks {
     /// passed on.
     pub fn settle(&self, outcomes: &mut [Outcome]) {
         for (i, &parent) in self.parents.iter().enumerate().rev() {
-            let radiance = outcomes[self.samples as usize + i].radiance;
-            outcomes[parent as usize].radiance += radiance;
+            let account = self.samples as usize + i;
+            if parent as usize != account {
+                let radiance = outcomes[account].radiance;
+                outcomes[parent as usize].radiance += radiance;
+            }
         }
     }
 }

@@ -49,6 +49,7 @@ impl<'a> From<&'a Mixtures> for Guidance<'a> {
 }
 
 /// A field at one vertex.
+#[derive(Clone)]
 enum Local<'a> {
     Double(LocalField<'a>),
     Gmm(LocalMixture<'a>),
@@ -73,6 +74,7 @@ impl Local<'_> {
 }
 
 /// The field at one vertex.
+#[derive(Clone)]
 pub struct GuidedVertex<'a> {
     local: Local<'a>,
     /// How often to draw from it, and how often to sample a light.

@@ -1,10 +1,12 @@
 //! One sample of one pixel, vertex by vertex: for finding out where a bad sample went bad.
 //!
-//! The path takes the same numbers and the same steps as in a render, so its radiance has the same bits.
+//! The path takes the same numbers and the same steps as in a render, so its radiance has the same bits. With
+//! [`super::reuse`] the image has another value: a share of this path and of others.
 
 use super::forks::Forks;
 use super::learn::Learner;
 use super::render::{Job, Limits, Observer, PASS_SPP, Progress, View, first_ray};
+use super::reuse::Pool;
 use super::teach::teach;
 use super::vertex::{Watched, visit};
 use super::wave::{Outcome, Path};
@@ -171,6 +173,7 @@ fn step(
     let watched = Watched {
         outcome: &mut *outcome,
         forks,
+        pool: &mut Pool::new(1),
         witness: &mut (),
     };
     let next = visit(&view.walk(), ray, &hit[0], path, watched);

@@ -4,7 +4,8 @@
 //! samples travel together as a [`wave`], one bounce at a time, so that the ray tracer gets rays in
 //! bulk (packets) and the same code runs over many vertices in a row. What happens at a vertex
 //! (emission, next-event estimation and BSDF sampling joined by multiple importance sampling, Russian
-//! roulette) is in [`vertex`]; what is worth more than expected goes on in several ways ([`forks`]).
+//! roulette) is in [`vertex`]; what is worth more than expected goes on in several ways ([`forks`]); what guided paths
+//! find is shared among pixels ([`reuse`]).
 //!
 //! Each sample's numbers come from `(seed, pixel, sample)` alone and each pixel's sum is taken in sample
 //! order, so neither the tiles nor the threads can change a bit of the image.
@@ -23,6 +24,7 @@ mod next_event;
 pub mod probe;
 pub mod record;
 pub mod render;
+pub mod reuse;
 pub mod roulette;
 mod teach;
 pub mod trial;
@@ -45,6 +47,9 @@ pub struct PathSettings {
     pub rr_depth: u32,
     /// What roulette goes by where a field guides.
     pub roulette: Roulette,
+    /// How many paths share what they find behind their first rough vertices, where a field guides (see
+    /// [`reuse`]); 1: none do.
+    pub reuse: u32,
     /// The camera itself does not see emitters.
     pub hide_emitters: bool,
     /// Drop light that crosses a surface by its shading normal only.

@@ -9,7 +9,6 @@ use crate::math::mis::power_heuristic;
 use crate::math::offset::{gamma, offset_origin};
 use crate::math::rng::BELOW_ONE;
 use crate::math::{Rgb, Vec3};
-use crate::texture::SurfacePoint;
 
 /// A shadow ray stops this much short of the light, relative to the distance, so as not to meet the
 /// light's own surface. An occluder closer to the light than this is not seen.
@@ -54,7 +53,9 @@ pub(super) fn sample_light(
     }
     let u = [(u[0] / path.light_chance).min(BELOW_ONE), u[1], u[2]];
     let light = scene.lights.sample(point.p, path.from_normal, u)?;
-    if settings.strict_normals && (crosses(point, light.dir) || crosses(point, wo)) {
+    if settings.strict_normals
+        && (crosses(point.normals(), light.dir) || crosses(point.normals(), wo))
+    {
         return None;
     }
     let (f, bsdf_pdf) = bsdf.eval_pdf(wo, light.dir, Transport::Radiance);
@@ -85,7 +86,7 @@ pub(super) fn sample_light(
 /// offset of its origin, it meets a light that it grazes earlier than its margin allows (a lamp that
 /// touches the ceiling lost 3 % of its light around the touch).
 #[inline]
-fn shadow_ray(org: Vec3, light: Vec3) -> Ray {
+pub(super) fn shadow_ray(org: Vec3, light: Vec3) -> Ray {
     let to = light - org;
     let distance = to.length();
     let mut ray = Ray::new(org, to / distance.max(f32::MIN_POSITIVE));
@@ -96,6 +97,6 @@ fn shadow_ray(org: Vec3, light: Vec3) -> Ray {
 
 /// Whether geometric and shading normal disagree about the side `w` is on.
 #[inline]
-pub(super) fn crosses(point: &SurfacePoint, w: Vec3) -> bool {
-    point.ng.dot(w) * point.frame.n.dot(w) <= 0.0
+pub(super) fn crosses([geometric, shading]: [Vec3; 2], w: Vec3) -> bool {
+    geometric.dot(w) * shading.dot(w) <= 0.0
 }

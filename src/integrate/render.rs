@@ -4,6 +4,7 @@ use super::PathSettings;
 use super::guiding::Guidance;
 use super::learn::Learner;
 use super::record::Witness;
+use super::reuse::Origin;
 use super::teach::teach;
 use super::vertex::Walk;
 use super::wave::{Outcome, Wave};
@@ -340,9 +341,14 @@ impl<'a> Job<'a> {
                     weights.push(self.start(x, y, sample, &mut wave));
                 }
             }
-            let outcomes = wave.trace(walk, witness);
-            conclude(witness, outcomes);
-            add(tile, from..to, outcomes, &weights);
+            let origin = Origin {
+                seed: self.view.settings.seed,
+                samples: (to - from) as u32,
+                first: from,
+            };
+            let outcomes = wave.trace_image(walk, witness, &origin);
+            conclude(witness, outcomes.own);
+            add(tile, from..to, outcomes.image, &weights);
             from = to;
         }
         if let Ok(mut waves) = self.waves.lock() {

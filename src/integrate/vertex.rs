@@ -6,11 +6,12 @@ use super::guiding::{Guidance, GuidedVertex, facing, is_guidable};
 use super::lots::{self, Alone};
 use super::next_event::{ShadowRay, crosses, sample_light};
 use super::record::{Arrival, Departure, Onward, Witness};
+use super::reuse::{Pool, Stage};
 use super::roulette;
 use super::wave::{FirstHit, Outcome, Path};
 use super::{PathSettings, Roulette};
 use crate::accel::{Hit, Ray};
-use crate::bsdf::{Bsdf, BsdfSample, LobeFlags, Rest, Transport};
+use crate::bsdf::{Apart, Bsdf, BsdfSample, LobeFlags, Rest, Transport};
 use crate::math::offset::offset_origin;
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::scene::Scene;
@@ -46,16 +47,18 @@ pub struct Walk<'a> {
 }
 
 /// What a vertex writes to beside its path.
-pub struct Watched<'w, W: Witness> {
+pub struct Watched<'w, 's, W: Witness> {
     /// The path's account.
     pub outcome: &'w mut Outcome,
     /// Where ways that split off go.
     pub forks: &'w mut Forks,
+    /// What paths share.
+    pub pool: &'w mut Pool<'s>,
     /// Who looks on.
     pub witness: &'w mut W,
 }
 
-impl<W: Witness> Watched<'_, W> {
+impl<W: Witness> Watched<'_, '_, W> {
     fn arrive(&mut self, path: &Path, distance: f32) {
         let so_far = self.outcome.radiance;
         self.witness.arrive(path.slot, so_far, distance);
@@ -65,12 +68,12 @@ impl<W: Witness> Watched<'_, W> {
 /// Handles what `ray` met: adds emission to the path's account, samples a light, samples the BSDF (and the
 /// field, with a guide), splits the path or plays roulette.
 #[inline]
-pub fn visit(
-    walk: &Walk,
+pub fn visit<'s>(
+    walk: &Walk<'s>,
     ray: &Ray,
     hit: &Hit,
     path: &mut Path,
-    mut watched: Watched<impl Witness>,
+    mut watched: Watched<'_, 's, impl Witness>,
 ) -> Next {
     let Walk {
         scene, settings, ..
@@ -119,46 +122,47 @@ pub fn visit(
 
 /// Samples a light, and sends the path on its way or ways from a point that it met at a distance.
 #[inline]
-fn scatter(
-    walk: &Walk,
-    point: &SurfacePoint,
+fn scatter<'s>(
+    walk: &Walk<'s>,
+    point: &SurfacePoint<'s>,
     bsdf: &Bsdf,
     wo: Vec3,
     distance: f32,
     path: &mut Path,
-    watched: Watched<impl Witness>,
+    watched: Watched<'_, 's, impl Witness>,
 ) -> Next {
-    let Walk {
-        settings, guide, ..
-    } = *walk;
+    let settings = walk.settings;
     let Watched {
         outcome,
         forks,
+        pool,
         witness,
     } = watched;
-    let guided = guide.and_then(|g| g.at(point, bsdf, wo, path.throughput));
-    if guided.is_some() {
-        path.lots = lots::AIMED;
-    }
-    let apart = lots::apart(path, guided.is_some(), bsdf, wo);
-    let lobes = apart.map_or(Rest::ALL, |apart| apart.rest);
-    let guided = guided.map(|g| g.among(lobes, bsdf));
+    let so_far = match pool.arrive(path, point, bsdf, wo, forks) {
+        true => Rgb::ZERO,
+        false => outcome.radiance,
+    };
+    let (guided, apart) = ask(walk, point, bsdf, wo, path);
     let mut vertex = Vertex {
         point,
         bsdf,
         guided: guided.as_ref(),
         wo,
-        lobes,
+        lobes: apart.map_or(Rest::ALL, |apart| apart.rest),
         ways: 1,
+        stem: None,
     };
     let block = path.sampler.next4();
     let mut arrival = Arrival {
         throughput: path.throughput,
-        radiance: outcome.radiance,
+        radiance: so_far,
     };
     let shadow = sample_light(walk, &vertex, path, [block[0], block[1], block[2]]);
     let coming = coming(settings, &vertex, path.throughput);
     vertex.ways = coming.map_or(1, |coming| roulette::ways(path, coming));
+    if pool.is_open() && is_stem(settings, &vertex, path, coming) {
+        vertex.stem = pool.add_stem(&vertex, path, forks);
+    }
     let mut go = |path: &mut Path, arrival: &Arrival, lobe: Option<BsdfSample>| {
         let onward = go_on(settings, &vertex, path, lobe, block[3], arrival);
         if lobe.is_none() {
@@ -182,6 +186,26 @@ fn scatter(
     Next { ray, shadow }
 }
 
+/// What the field says at a vertex, for the lobes that the path's own direction is drawn among, and the delta lobe
+/// that is followed beside them.
+#[inline]
+fn ask<'s>(
+    walk: &Walk<'s>,
+    point: &SurfacePoint,
+    bsdf: &Bsdf,
+    wo: Vec3,
+    path: &mut Path,
+) -> (Option<GuidedVertex<'s>>, Option<Apart>) {
+    let guide = walk.guide;
+    let guided = guide.and_then(|g| g.at(point, bsdf, wo, path.throughput));
+    if guided.is_some() {
+        path.lots = lots::AIMED;
+    }
+    let apart = lots::apart(path, guided.is_some(), bsdf, wo);
+    let lobes = apart.map_or(Rest::ALL, |apart| apart.rest);
+    (guided.map(|g| g.among(lobes, bsdf)), apart)
+}
+
 /// What a path that came with this throughput will bring by the field's account, if the field can tell and is
 /// to be asked.
 #[inline]
@@ -191,6 +215,20 @@ fn coming(settings: &PathSettings, vertex: &Vertex, throughput: Rgb) -> Option<f
     }
     let reflected = vertex.guided?.reflected()?;
     Some((throughput * reflected).element_sum())
+}
+
+/// Whether a path leaves its first rough vertex here, and for certain in one direction that is drawn from a density:
+/// among smooth lobes alone, with nothing to end or split it. `coming` is what it will bring, if that is known.
+#[inline]
+fn is_stem(settings: &PathSettings, vertex: &Vertex, path: &Path, coming: Option<f32>) -> bool {
+    let first = path.stage == Stage::Fresh && vertex.guided.is_some();
+    let smooth = vertex.lobes != Rest::ALL || !vertex.bsdf.flags().has(LobeFlags::DELTA);
+    // What roulette will say.
+    let certain = match coming {
+        Some(_) => path.expected <= 0.0,
+        None => path.depth + 1 < settings.rr_depth,
+    };
+    first && smooth && certain && vertex.ways == 1
 }
 
 /// What is known at a vertex.
@@ -203,6 +241,8 @@ pub(super) struct Vertex<'v, 's> {
     lobes: Rest,
     /// Directions in which the path goes on.
     ways: u32,
+    /// The number of the stem that ends here.
+    stem: Option<u32>,
 }
 
 /// The ray along a sampled direction.
@@ -214,6 +254,7 @@ fn leave(vertex: &Vertex, path: &mut Path, sample: &BsdfSample, distance: f32) -
     path.from = point.p;
     path.cone_width += path.cone_spread * distance;
     if !delta {
+        path.stage = vertex.stem.map_or(Stage::Past, Stage::Left);
         path.cone_spread = path.cone_spread.max(bsdf.roughness() * ROUGH_SPREAD);
     }
     Some(Ray::new(
@@ -251,7 +292,9 @@ fn go_on(
             bsdf.sample(wo, u_lobe, u, Transport::Radiance)?
         }
     };
-    if settings.strict_normals && (crosses(point, sample.wi) || crosses(point, wo)) {
+    if settings.strict_normals
+        && (crosses(point.normals(), sample.wi) || crosses(point.normals(), wo))
+    {
         return None;
     }
     path.throughput *= sample.weight;

@@ -3,6 +3,7 @@
 use super::forks::Forks;
 use super::next_event::ShadowRay;
 use super::record::Witness;
+use super::reuse::{Origin, Pool, Stage};
 use super::vertex::{self, Walk, Watched};
 use crate::accel::{Hit, Ray};
 use crate::camera::CameraRay;
@@ -41,6 +42,8 @@ pub struct Path {
     pub lots: f32,
     /// The path's standing (see [`super::roulette`]) when the field aimed it last; 1 until then.
     pub aimed_with: f32,
+    /// How far it has come.
+    pub stage: Stage,
     /// Width of the ray's cone at its origin.
     pub cone_width: f32,
     /// Growth of that width per unit distance.
@@ -64,6 +67,7 @@ impl Path {
             expected: 0.0,
             ways: 1,
             lots: 1.0,
+            stage: Stage::Fresh,
             aimed_with: 1.0,
             slot,
             cone_width: camera.cone_width,
@@ -93,6 +97,16 @@ pub struct Outcome {
     pub first: FirstHit,
 }
 
+/// What a wave's samples came to. Behind the samples, in order, stand the ways that split off, which the
+/// samples' outcomes include.
+#[derive(Clone, Copy, Debug)]
+pub struct Outcomes<'w> {
+    /// By themselves.
+    pub own: &'w [Outcome],
+    /// For the image.
+    pub image: &'w [Outcome],
+}
+
 /// Buffers of a wave, kept from one tile to the next.
 #[derive(Default)]
 pub struct Wave {
@@ -103,6 +117,8 @@ pub struct Wave {
     shadow_rays: Vec<Ray>,
     blocked: Vec<bool>,
     outcomes: Vec<Outcome>,
+    /// What the samples came to with what they share.
+    shared: Vec<Outcome>,
     forks: Forks,
     rays_traced: u64,
 }
@@ -127,16 +143,47 @@ impl Wave {
     /// Traces all samples to their ends, watched by `witness` (`&mut ()` for nobody). The samples' outcomes
     /// come first, in order; behind them those of ways that split off, which the samples' include.
     pub fn trace(&mut self, walk: &Walk, witness: &mut impl Witness) -> &[Outcome] {
+        self.run(walk, witness, &mut Pool::new(1));
+        self.forks.settle(&mut self.outcomes);
+        &self.outcomes
+    }
+
+    /// The same for samples of the image, which may share what they find (see [`super::reuse`]). `own` is
+    /// what they came to by themselves, `image` what they are worth to the image.
+    pub fn trace_image(
+        &mut self,
+        walk: &Walk,
+        witness: &mut impl Witness,
+        origin: &Origin,
+    ) -> Outcomes<'_> {
+        let guided = walk.guide.is_some();
+        let mut pool = Pool::new(if guided { walk.settings.reuse } else { 1 });
+        self.run(walk, witness, &mut pool);
+        if pool.is_open() {
+            self.shared.clone_from(&self.outcomes);
+        }
+        self.forks.settle(&mut self.outcomes);
+        let mut image = &self.outcomes;
+        if pool.is_open() {
+            self.rays_traced += pool.settle(walk, origin, &mut self.forks, &mut self.shared);
+            image = &self.shared;
+        }
+        Outcomes {
+            own: &self.outcomes,
+            image,
+        }
+    }
+
+    /// Traces all samples to their ends.
+    fn run<'s>(&mut self, walk: &Walk<'s>, witness: &mut impl Witness, pool: &mut Pool<'s>) {
         self.forks.start(self.outcomes.len());
         while !self.paths.is_empty() {
             self.hits.resize(self.rays.len(), Hit::NONE);
             walk.scene.rays.intersect_batch(&self.rays, &mut self.hits);
             self.rays_traced += self.rays.len() as u64;
-            self.advance(walk, witness);
+            self.advance(walk, witness, pool);
             self.collect_light(walk.scene, witness);
         }
-        self.forks.settle(&mut self.outcomes);
-        &self.outcomes
     }
 
     /// Rays traced since the wave was made, shadow rays included.
@@ -145,7 +192,7 @@ impl Wave {
     }
 
     /// Handles one vertex of every path and keeps those that go on, in order.
-    fn advance(&mut self, walk: &Walk, witness: &mut impl Witness) {
+    fn advance<'s>(&mut self, walk: &Walk<'s>, witness: &mut impl Witness, pool: &mut Pool<'s>) {
         self.shadows.clear();
         self.shadow_rays.clear();
         let mut kept = 0;
@@ -160,6 +207,7 @@ impl Wave {
                 outcome,
                 forks: &mut self.forks,
                 witness: &mut *witness,
+                pool: &mut *pool,
             };
             let next = vertex::visit(walk, &self.rays[i], &self.hits[i], path, watched);
             if let Some((ray, shadow)) = next.shadow {

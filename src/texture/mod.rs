@@ -73,6 +73,12 @@ pub struct SurfacePoint<'a> {
 }
 
 impl SurfacePoint<'_> {
+    /// The geometric and the shading normal.
+    #[inline]
+    pub fn normals(&self) -> [Vec3; 2] {
+        [self.ng, self.frame.n]
+    }
+
     /// A point that stands for no surface in particular, at the given texture coordinates: for
     /// evaluating a texture by itself.
     pub fn at_uv(uv: Vec2) -> SurfacePoint<'static> {

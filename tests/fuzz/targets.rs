@@ -69,6 +69,7 @@ fn thumbnail(mut description: Description) {
         sampler: description.render.sampler,
         seed: 1,
         roulette: twintree::integrate::Roulette::Field,
+        reuse: 1,
     };
     let view = View {
         scene: &scene,

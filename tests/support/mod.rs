@@ -200,6 +200,7 @@ pub fn settings() -> PathSettings {
         max_depth: u32::MAX,
         rr_depth: 5,
         roulette: Roulette::Field,
+        reuse: 1,
         hide_emitters: false,
         strict_normals: false,
         sampler: SamplerKind::Independent,

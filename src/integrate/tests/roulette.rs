@@ -16,6 +16,7 @@ fn path(throughput: Rgb, eta: f32) -> Path {
         expected: 0.0,
         ways: 1,
         lots: 1.0,
+        stage: crate::integrate::reuse::Stage::Fresh,
         aimed_with: 1.0,
         slot: 0,
         cone_width: 0.0,

@@ -1,0 +1,162 @@
+//! The stems and suffixes of a wave.
+
+use super::exchange::Exchange;
+use super::stem::{Stem, Suffix, is_shareable};
+use super::{Origin, Stage};
+use crate::bsdf::Bsdf;
+use crate::integrate::forks::Forks;
+use crate::integrate::vertex::{Vertex, Walk};
+use crate::integrate::wave::{Outcome, Path};
+use crate::math::Vec3;
+use crate::math::rng::hash_all;
+use crate::texture::SurfacePoint;
+
+/// What the paths of a wave have to share.
+pub struct Pool<'s> {
+    /// Most stems in a group.
+    most: usize,
+    stems: Vec<Stem<'s>>,
+}
+
+impl<'s> Pool<'s> {
+    /// A pool for groups of up to `most` stems; with 1 it collects nothing.
+    pub fn new(most: u32) -> Self {
+        Self {
+            most: most as usize,
+            stems: Vec::new(),
+        }
+    }
+
+    /// Whether anything is shared.
+    #[inline]
+    pub fn is_open(&self) -> bool {
+        self.most > 1
+    }
+
+    /// Keeps the stem of a path that is about to leave its first rough vertex, which a field guides. Returns its
+    /// number.
+    pub(in crate::integrate) fn add_stem(
+        &mut self,
+        vertex: &Vertex<'_, 's>,
+        path: &Path,
+        forks: &Forks,
+    ) -> Option<u32> {
+        let sample = forks.sample_of(path.slot);
+        self.stems.push(Stem::new(vertex, path, sample)?);
+        Some(self.stems.len() as u32 - 1)
+    }
+
+    /// A path arrives at a vertex. If it can share what is found there, that gets an account of its own: `true`.
+    #[inline]
+    pub fn arrive(
+        &mut self,
+        path: &mut Path,
+        point: &SurfacePoint,
+        bsdf: &Bsdf,
+        wo: Vec3,
+        forks: &mut Forks,
+    ) -> bool {
+        let Stage::Left(stem) = path.stage else {
+            return false;
+        };
+        path.stage = Stage::Past;
+        if !bsdf.is_diffuse() || !is_shareable(path.throughput) {
+            return false;
+        }
+        let slot = forks.open(path.slot);
+        self.stems[stem as usize].suffix = Some(Suffix::new(point, wo, path, slot));
+        path.slot = slot;
+        true
+    }
+
+    /// Settles the accounts of a wave so that what was found behind stems goes to all that could have found it.
+    /// Returns how many rays that took.
+    pub fn settle(
+        &self,
+        walk: &Walk,
+        origin: &Origin,
+        forks: &mut Forks,
+        outcomes: &mut [Outcome],
+    ) -> u64 {
+        let mut exchange = Exchange::new(walk, &self.stems);
+        for group in self.groups(origin) {
+            exchange.meet(&group);
+        }
+        for gift in &exchange.gifts {
+            forks.detach(gift.slot);
+        }
+        forks.settle(outcomes);
+        for gift in &exchange.gifts {
+            gift.pay(outcomes);
+        }
+        exchange.rays_traced
+    }
+
+    /// Stems of like samples in groups, all pixels mixed, so that what they have in common is spread.
+    fn groups(&self, origin: &Origin) -> Vec<Vec<u32>> {
+        let lots = self.stems.iter().zip(0..).map(|(stem, number)| {
+            let pixel = u64::from(stem.sample / origin.samples);
+            let sample = origin.first + u64::from(stem.sample % origin.samples);
+            Lot {
+                // A path may be cut off at a depth: only stems of one depth stand for the same suffixes.
+                kind: (sample, stem.depth),
+                lot: hash_all([origin.seed, sample, pixel]),
+                number,
+            }
+        });
+        grouped(lots.collect(), self.most)
+    }
+}
+
+/// A stem that waits for its group.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Lot {
+    /// Only stems of one kind meet.
+    kind: (u64, u32),
+    lot: u64,
+    number: u32,
+}
+
+/// Groups of up to `most` stems by their lots, as equal in size as can be.
+fn grouped(mut lots: Vec<Lot>, most: usize) -> Vec<Vec<u32>> {
+    lots.sort_unstable();
+    let mut groups = Vec::with_capacity(lots.len() / most + 1);
+    for alike in lots.chunk_by(|a, b| a.kind == b.kind) {
+        let count = alike.len().div_ceil(most);
+        let begin = |group| group * alike.len() / count;
+        groups.extend((0..count).map(|group| {
+            let members = &alike[begin(group)..begin(group + 1)];
+            members.iter().map(|lot| lot.number).collect()
+        }));
+    }
+    groups
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn like_stems_meet_in_groups_of_like_size() {
+        let lots: Vec<Lot> = (0..100)
+            .map(|number| Lot {
+                kind: (u64::from(number % 3), u32::from(number == 99)),
+                lot: hash_all([u64::from(number)]),
+                number,
+            })
+            .collect();
+        let groups = grouped(lots.clone(), 8);
+        let mut all = groups.concat();
+        all.sort_unstable();
+        assert!(all.iter().copied().eq(0..100), "each stem has one group");
+        for group in &groups {
+            let kind = lots[group[0] as usize].kind;
+            assert!(group.iter().all(|&i| lots[i as usize].kind == kind));
+            // 33 stems of each kind but for one: five groups.
+            let sizes = if kind.1 == 1 { 1..=1 } else { 6..=7 };
+            assert!(sizes.contains(&group.len()), "{group:?}");
+        }
+        // Drawn by lot, not in the order in which they came.
+        assert!(groups[0].windows(2).any(|pair| pair[0] > pair[1]));
+    }
+}

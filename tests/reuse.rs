@@ -1,0 +1,342 @@
+//! Shared suffixes may cost independence between pixels, never another mean.
+
+mod support;
+
+use std::sync::Arc;
+use support::{Built, SceneMaker, grey, inside_of_cube, settings};
+use twintree::accel::{Backend, ExactKind, TriangleMesh};
+use twintree::bsdf::Material;
+use twintree::film::Film;
+use twintree::guide::ModelKind;
+use twintree::integrate::PathSettings;
+use twintree::integrate::guiding::Guide;
+use twintree::integrate::learn::{LearnSettings, garbage, learn};
+use twintree::integrate::render::{Limits, Observer, Progress, Spent, resume};
+use twintree::integrate::reuse::Origin;
+use twintree::integrate::wave::{Outcome, Wave};
+use twintree::math::{Affine3A, Rgb, Vec2, Vec3};
+use twintree::photon::PhotonSettings;
+use twintree::photon::schedule::Budget;
+use twintree::scene::{Geometry, Mesh};
+use twintree::texture::Texture;
+
+/// A closed room lit by way of its ceiling, with one of each of what decides who shares: a wall of a single colour,
+/// a screen that lets half of the rays through, a body whose shading normals disagree with its faces, clear glass,
+/// varnish over diffuse, rough metal.
+fn room() -> Built {
+    let eye = Vec3::new(0.0, 0.0, -0.9);
+    let mut maker = SceneMaker::new(eye, Vec3::new(0.0, -0.2, 1.0), 70.0, 16);
+    let wall = maker.diffuse(0.6);
+    maker.shape(inside_of_cube(1.0), wall, None, false);
+    let red = maker.material(Material::Diffuse {
+        reflectance: Texture::Constant(Rgb::new(0.8, 0.0, 0.0)),
+    });
+    let left = Affine3A::from_translation(Vec3::new(0.98, 0.0, 0.0))
+        * Affine3A::from_rotation_y(-std::f32::consts::FRAC_PI_2);
+    let left = maker.exact(ExactKind::Rectangle, left);
+    maker.shape(left, red, None, false);
+    let inner = both_sides(&mut maker, 0.5);
+    let screen = maker.material(Material::Mask {
+        opacity: grey(0.5),
+        inner,
+    });
+    let place = Affine3A::from_translation(Vec3::new(-0.3, 0.1, 0.5))
+        * Affine3A::from_rotation_y(0.6)
+        * Affine3A::from_scale(Vec3::splat(0.35));
+    let place = maker.exact(ExactKind::Rectangle, place);
+    maker.shape(place, screen, None, false);
+    let stone = both_sides(&mut maker, 0.4);
+    maker.shape(
+        rounded(Vec3::new(0.1, -0.75, 0.3), 0.25),
+        stone,
+        None,
+        false,
+    );
+    let glass = maker.material(Material::Dielectric {
+        eta: 1.5,
+        specular_reflectance: grey(1.0),
+        specular_transmittance: grey(1.0),
+    });
+    maker.sphere(Vec3::new(0.6, -0.7, 0.4), 0.25, glass, None, false);
+    let varnish = maker.material(Material::Plastic {
+        eta: 1.5,
+        diffuse_reflectance: grey(0.5),
+        specular_reflectance: grey(1.0),
+        nonlinear: false,
+    });
+    maker.sphere(Vec3::new(-0.6, -0.75, 0.1), 0.25, varnish, None, false);
+    let black = maker.diffuse(0.0);
+    // Faces up, towards the ceiling.
+    let up = Affine3A::from_translation(Vec3::new(0.0, 0.5, 0.2))
+        * Affine3A::from_rotation_x(-std::f32::consts::FRAC_PI_2)
+        * Affine3A::from_scale(Vec3::splat(0.3));
+    let lamp = maker.exact(ExactKind::Rectangle, up);
+    maker.shape(lamp, black, Some(8.0), false);
+    maker.build(Backend::default())
+}
+
+fn both_sides(maker: &mut SceneMaker, reflectance: f32) -> u32 {
+    let front = maker.diffuse(reflectance);
+    let back = maker.diffuse(0.5 * reflectance);
+    maker.material(Material::TwoSided { front, back })
+}
+
+/// An octahedron that is shaded like a ball.
+fn rounded(center: Vec3, radius: f32) -> Geometry {
+    let out = [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z];
+    let faces = (0..8u32).map(|i| {
+        let corner = |axis: u32| axis + if i & (1 << axis) == 0 { 0 } else { 3 };
+        let face = [corner(0), corner(1), corner(2)];
+        // Seen from outside, against the clock.
+        if i.count_ones() % 2 == 0 {
+            face
+        } else {
+            [face[0], face[2], face[1]]
+        }
+    });
+    let corners = out.map(|n| center + radius * n).to_vec();
+    let triangles = TriangleMesh::new(corners, faces.collect()).expect("indices in range");
+    Geometry::Mesh(Arc::new(Mesh {
+        triangles: Arc::new(triangles),
+        normals: Some(out.to_vec()),
+        ..Mesh::default()
+    }))
+}
+
+fn path(reuse: u32, seed: u64) -> PathSettings {
+    PathSettings {
+        max_depth: 12,
+        reuse,
+        seed,
+        ..settings()
+    }
+}
+
+fn learned(room: &Built) -> Guide {
+    let how = LearnSettings {
+        photons: Budget::Exactly {
+            photons: 200_000,
+            batches: 6,
+        },
+        paths: 0,
+        batches: 6,
+        memory: 32 << 20,
+        mixture: None,
+        photon: PhotonSettings {
+            max_bounces: 11,
+            roulette_after: 3,
+            seed: 5,
+        },
+        model: ModelKind::Gauss,
+    };
+    let learned = learn(&room.view(&path(1, 1), None), &how);
+    learned.expect("the field is learned").guide
+}
+
+/// Means of a film's blocks of 4 x 4 pixels and of the whole, by channel.
+fn means(film: &Film) -> Vec<f64> {
+    let blocks = film.width() / 4;
+    let mut sums = vec![0.0; 3 * (blocks * blocks + 1) as usize];
+    for (y, x) in (0..film.height()).flat_map(|y| (0..film.width()).map(move |x| (y, x))) {
+        let mean = film.pixel(x, y).mean();
+        let block = 3 * (1 + y / 4 * blocks + x / 4) as usize;
+        for c in 0..3 {
+            sums[c] += mean[c] / f64::from(film.width() * film.height());
+            sums[block + c] += mean[c] / 16.0;
+        }
+    }
+    sums
+}
+
+/// Mean and its variance over renders with different seeds: pixels that share are not independent, renders are.
+fn over_seeds(seeds: u64, render: impl Fn(u64) -> Film) -> Vec<(f64, f64)> {
+    let renders: Vec<Vec<f64>> = (0..seeds).map(|seed| means(&render(seed))).collect();
+    let n = seeds as f64;
+    (0..renders[0].len())
+        .map(|i| {
+            let mean = renders.iter().map(|r| r[i]).sum::<f64>() / n;
+            let squares: f64 = renders.iter().map(|r| (r[i] - mean).powi(2)).sum();
+            (mean, squares / (n - 1.0) / n)
+        })
+        .collect()
+}
+
+/// Renders that share agree with those that do not: 24 seeds each, in each of 16 blocks and as a whole.
+fn agree(
+    what: &str,
+    room: &Built,
+    guide: &Guide,
+    spp: u64,
+    path: impl Fn(u32, u64) -> PathSettings,
+) {
+    const SEEDS: u64 = 24;
+    let render = |reuse, first: u64| {
+        over_seeds(SEEDS, |seed| {
+            room.render_guided(&path(reuse, first + seed), spp, Some(guide))
+                .0
+        })
+    };
+    let (shared, alone) = (render(8, 100), render(1, 200));
+    let z = |(a, b): (&(f64, f64), &(f64, f64))| (a.0 - b.0) / (a.1 + b.1).sqrt();
+    let z: Vec<f64> = shared.iter().zip(&alone).map(z).collect();
+    let worst = z[3..].iter().fold(0.0f64, |worst, z| worst.max(z.abs()));
+    let error = (shared[1].1 + alone[1].1).sqrt() / alone[1].0;
+    println!(
+        "{what}: means {:.5} and {:.5}, {:.2} {:.2} {:.2} standard errors apart of {:.3} %, worst block {worst:.2}",
+        shared[1].0,
+        alone[1].0,
+        z[0],
+        z[1],
+        z[2],
+        100.0 * error
+    );
+    assert!(error < 0.003, "{what}: too noisy to see one per cent");
+    // Student's t with some 46 degrees of freedom: 3.5 is exceeded once in a thousand, 4.9 once in a thousand by the
+    // largest of 48.
+    assert!(
+        z[..3].iter().all(|z| z.abs() < 3.5),
+        "{what}: the means differ"
+    );
+    assert!(worst < 4.9, "{what}: a block differs");
+}
+
+#[test]
+fn sharing_gives_the_mean_of_not_sharing() {
+    let room = room();
+    let field = learned(&room);
+    agree("learned", &room, &field, 192, path);
+    let noise = garbage(&room.scene, ModelKind::default(), 9);
+    agree("random", &room, &noise, 512, path);
+    agree("strict normals", &room, &field, 192, |reuse, seed| {
+        PathSettings {
+            strict_normals: true,
+            ..path(reuse, seed)
+        }
+    });
+    agree("cut off early", &room, &field, 192, |reuse, seed| {
+        PathSettings {
+            max_depth: 4,
+            ..path(reuse, seed)
+        }
+    });
+    agree("roulette at once", &room, &field, 192, |reuse, seed| {
+        PathSettings {
+            rr_depth: 1,
+            ..path(reuse, seed)
+        }
+    });
+}
+
+/// Squared error of pixels against the mean of many renders, and what the pixels' own variances say of it.
+#[test]
+fn sharing_lowers_the_noise_and_pixels_tell_how_far() {
+    let room = room();
+    let field = learned(&room);
+    let films = |reuse, first: u64| -> Vec<Film> {
+        let film = |seed| {
+            room.render_guided(&path(reuse, first + seed), 32, Some(&field))
+                .0
+        };
+        (0..24).map(film).collect()
+    };
+    let variance = |films: &[Film]| {
+        let (mut actual, mut told) = (0.0, 0.0);
+        for (y, x) in (0..16).flat_map(|y| (0..16).map(move |x| (y, x))) {
+            let pixels: Vec<_> = films.iter().map(|f| f.pixel(x, y)).collect();
+            let n = pixels.len() as f64;
+            let mean = pixels.iter().map(|p| p.mean()[1]).sum::<f64>() / n;
+            let squares: f64 = pixels.iter().map(|p| (p.mean()[1] - mean).powi(2)).sum();
+            actual += squares / (n - 1.0);
+            told += pixels.iter().map(|p| p.variance_of_mean()[1]).sum::<f64>() / n;
+        }
+        (actual, told)
+    };
+    let (shared, alone) = (variance(&films(8, 1)), variance(&films(1, 101)));
+    println!("variance shared {shared:.3?}, alone {alone:.3?}: actual, and as the pixels tell it");
+    assert!(shared.0 < 0.75 * alone.0, "sharing gains too little");
+    for (actual, told) in [shared, alone] {
+        assert!((actual / told - 1.0).abs() < 0.1, "{actual} is not {told}");
+    }
+}
+
+struct Quiet;
+
+impl Observer for Quiet {
+    fn pass_done(&self, _: &Progress, _: &Film) {}
+    fn should_stop(&self) -> bool {
+        false
+    }
+}
+
+#[test]
+fn neither_threads_nor_interruptions_change_what_is_shared() {
+    let room = room();
+    let field = learned(&room);
+    let path = path(8, 3);
+    let image = |threads, stops: &[u64]| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.expect("threads").install(|| {
+            let mut film = Film::new(&room.film);
+            let view = room.view(&path, Some(&field));
+            for &spp in stops {
+                let limits = Limits {
+                    spp,
+                    time: None,
+                    noise: None,
+                };
+                resume(&view, None, &mut film, &limits, Spent::default(), &Quiet);
+            }
+            film
+        })
+    };
+    let one = image(1, &[20]);
+    assert!(
+        one == image(2, &[20]) && one == image(7, &[20]),
+        "threads change the image"
+    );
+    assert!(
+        one == image(2, &[3, 7, 20]),
+        "interruptions change the image"
+    );
+}
+
+/// Sharing changes what samples are worth to the image, not what they came to.
+#[test]
+fn paths_are_the_same_with_and_without() {
+    let room = room();
+    let field = learned(&room);
+    let trace = |reuse| -> [Vec<Outcome>; 2] {
+        let path = path(reuse, 1);
+        let mut wave = Wave::default();
+        for sample in 0..4096u64 {
+            let pixel = sample / 16;
+            let at = Vec2::new((pixel % 16) as f32 + 0.5, (pixel / 16) as f32 + 0.5);
+            wave.push(
+                room.camera.ray(at, Vec2::ZERO),
+                path.sampler(pixel, sample % 16),
+            );
+        }
+        let origin = Origin {
+            seed: 1,
+            samples: 16,
+            first: 0,
+        };
+        let walk = room.view(&path, Some(&field)).walk();
+        let outcomes = wave.trace_image(&walk, &mut (), &origin);
+        [outcomes.own, outcomes.image].map(|o| o[..4096].to_vec())
+    };
+    let ([shared, image], [alone, same]) = (trace(8), trace(1));
+    assert!(alone == same, "who does not share is worth what he has");
+    let mut changed = 0;
+    for ((shared, alone), image) in shared.iter().zip(&alone).zip(&image) {
+        assert_eq!((shared.first, image.first), (alone.first, alone.first));
+        // Sums of the same terms in another order.
+        let (a, b) = (shared.radiance, alone.radiance);
+        assert!(
+            (a - b).abs().max_element() <= 1e-5 * b.max_element(),
+            "{a} {b}"
+        );
+        changed += u32::from(image.radiance != shared.radiance);
+    }
+    assert!(changed > 2000, "only {changed} of 4096 samples share");
+}
