@@ -53,7 +53,7 @@ pub struct GuideArgs {
 }
 
 /// How many paths share what they find, unless told otherwise.
-const REUSE: u32 = 8;
+const REUSE: u32 = 32;
 
 /// What Russian roulette goes by where a field guides.
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]

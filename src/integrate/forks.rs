@@ -35,7 +35,7 @@ impl Forks {
         self.samples + self.parents.len() as u32 - 1
     }
 
-    /// The sample that an account belongs to in the end.
+    /// The sample that an account belongs to in the end, which must not be detached.
     #[inline]
     pub fn sample_of(&self, mut account: u32) -> u32 {
         while account >= self.samples {

@@ -8,6 +8,7 @@ use super::guiding::Guide;
 use super::learn::Learner;
 use super::record::{Lessons, Records};
 use super::render::{Job, Limits, PASS_SPP, Progress};
+use super::reuse;
 use super::trial::{self, trial};
 use super::vertex::Walk;
 use crate::film::Film;
@@ -86,7 +87,9 @@ fn pass(
     (guide, stride): (&Guide, u32),
     lessons: &mut Vec<Lessons>,
 ) -> bool {
+    let settings = reuse::while_teaching(job.view.settings);
     let walk = Walk {
+        settings: &settings,
         guide: Some(guide.into()),
         ..job.view.walk()
     };

@@ -6,7 +6,7 @@ use super::guiding::{Guidance, GuidedVertex, facing, is_guidable};
 use super::lots::{self, Alone};
 use super::next_event::{ShadowRay, crosses, sample_light};
 use super::record::{Arrival, Departure, Onward, Witness};
-use super::reuse::{Pool, Stage};
+use super::reuse::{Admission, Pool, Stage};
 use super::roulette;
 use super::wave::{FirstHit, Outcome, Path};
 use super::{PathSettings, Roulette};
@@ -139,8 +139,9 @@ fn scatter<'s>(
         witness,
     } = watched;
     let so_far = match pool.arrive(path, point, bsdf, wo, forks) {
-        true => Rgb::ZERO,
-        false => outcome.radiance,
+        Admission::Alone => outcome.radiance,
+        Admission::Shares => Rgb::ZERO,
+        Admission::Ended => return Next::END,
     };
     let (guided, apart) = ask(walk, point, bsdf, wo, path);
     let mut vertex = Vertex {

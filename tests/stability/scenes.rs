@@ -116,10 +116,11 @@ pub fn silver(reflectance: f32) -> Material {
     }
 }
 
-/// The settings of these tests: paths of at most 12 edges, that seed.
+/// The settings of these tests: paths of at most 12 edges, that seed; guided ones share what they find.
 pub fn seed(seed: u64) -> PathSettings {
     PathSettings {
         max_depth: 12,
+        reuse: 32,
         seed,
         ..support::settings()
     }

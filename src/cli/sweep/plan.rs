@@ -83,7 +83,7 @@ pub fn built_in(scene: SceneTraits) -> Vec<Configuration> {
     plan.turn("mixture", "0.75");
     plan.turn_all("roulette", &[RouletteBy::Field]);
     plan.turn("reuse", "1");
-    plan.turn("reuse", "16");
+    plan.turn("reuse", "8");
     let (own, other) = match scene.sampler {
         SamplerKind::Independent => (Sampler::Independent, "sobol"),
         SamplerKind::Sobol => (Sampler::Sobol, "independent"),

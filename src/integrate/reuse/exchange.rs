@@ -25,7 +25,7 @@ pub(super) struct Gift {
 struct Link {
     /// The stem that did, and this one.
     stems: [u32; 2],
-    /// Throughput of the edge: the stem's times the BSDF times the measure.
+    /// What the stem came with, times BSDF and cosine.
     throughput: Rgb,
     /// Solid angle that a unit of area at the vertex takes.
     area: f64,

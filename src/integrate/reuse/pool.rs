@@ -2,7 +2,7 @@
 
 use super::exchange::Exchange;
 use super::stem::{Stem, Suffix, is_shareable};
-use super::{Origin, Stage};
+use super::{FOLLOWED, Origin, Stage};
 use crate::bsdf::Bsdf;
 use crate::integrate::forks::Forks;
 use crate::integrate::vertex::{Vertex, Walk};
@@ -15,7 +15,20 @@ use crate::texture::SurfacePoint;
 pub struct Pool<'s> {
     /// Most stems in a group.
     most: usize,
+    /// Chance of a suffix to be followed.
+    chance: f32,
     stems: Vec<Stem<'s>>,
+}
+
+/// How a pool takes a path that arrives at a vertex.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Admission {
+    /// What it finds is its own.
+    Alone,
+    /// What it finds from here on is shared.
+    Shares,
+    /// It ends: others of its group look for it.
+    Ended,
 }
 
 impl<'s> Pool<'s> {
@@ -23,6 +36,7 @@ impl<'s> Pool<'s> {
     pub fn new(most: u32) -> Self {
         Self {
             most: most as usize,
+            chance: (FOLLOWED / most as f32).min(1.0),
             stems: Vec::new(),
         }
     }
@@ -46,7 +60,8 @@ impl<'s> Pool<'s> {
         Some(self.stems.len() as u32 - 1)
     }
 
-    /// A path arrives at a vertex. If it can share what is found there, that gets an account of its own: `true`.
+    /// A path arrives at a vertex. If what is found there can be shared, it gets an account of its own, or is not
+    /// looked for, by lot.
     #[inline]
     pub fn arrive(
         &mut self,
@@ -55,18 +70,23 @@ impl<'s> Pool<'s> {
         bsdf: &Bsdf,
         wo: Vec3,
         forks: &mut Forks,
-    ) -> bool {
+    ) -> Admission {
         let Stage::Left(stem) = path.stage else {
-            return false;
+            return Admission::Alone;
         };
         path.stage = Stage::Past;
         if !bsdf.is_diffuse() || !is_shareable(path.throughput) {
-            return false;
+            return Admission::Alone;
+        }
+        // A number beside the path's own: those who are followed go where they would have gone.
+        if self.chance < 1.0 && path.sampler.fork(0).next4()[0] >= self.chance {
+            return Admission::Ended;
         }
         let slot = forks.open(path.slot);
         self.stems[stem as usize].suffix = Some(Suffix::new(point, wo, path, slot));
         path.slot = slot;
-        true
+        path.stand_for(self.chance.recip());
+        Admission::Shares
     }
 
     /// Settles the accounts of a wave so that what was found behind stems goes to all that could have found it.
