@@ -59,7 +59,7 @@ mod pool;
 mod stem;
 
 use super::PathSettings;
-pub use pool::{Pool, Admission};
+pub use pool::{Admission, Pool};
 
 /// Most stems in a group.
 pub const MOST: u32 = 64;
