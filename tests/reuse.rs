@@ -6,6 +6,7 @@ use std::sync::Arc;
 use support::{Built, SceneMaker, grey, inside_of_cube, settings};
 use twintree::accel::{Backend, ExactKind, TriangleMesh};
 use twintree::bsdf::Material;
+use twintree::bsdf::material::{Distribution, Roughness};
 use twintree::film::Film;
 use twintree::guide::ModelKind;
 use twintree::integrate::PathSettings;
@@ -22,7 +23,7 @@ use twintree::texture::Texture;
 
 /// A closed room lit by way of its ceiling, with one of each of what decides who shares: a wall of a single colour,
 /// a screen that lets half of the rays through, a body whose shading normals disagree with its faces, clear glass,
-/// varnish over diffuse, rough metal.
+/// varnish over diffuse, smooth and rough.
 fn room() -> Built {
     let eye = Vec3::new(0.0, 0.0, -0.9);
     let mut maker = SceneMaker::new(eye, Vec3::new(0.0, -0.2, 1.0), 70.0, 16);
@@ -65,6 +66,27 @@ fn room() -> Built {
         nonlinear: false,
     });
     maker.sphere(Vec3::new(-0.6, -0.75, 0.1), 0.25, varnish, None, false);
+    // The right wall: seen in it, its coat and its base go different ways.
+    let lacquer = maker.material(Material::RoughPlastic {
+        eta: 1.5,
+        roughness: Roughness {
+            distribution: Distribution::Ggx,
+            alpha_u: grey(0.15),
+            alpha_v: grey(0.15),
+        },
+        diffuse_reflectance: grey(0.4),
+        specular_reflectance: grey(1.0),
+        nonlinear: true,
+    });
+    let both = maker.material(Material::TwoSided {
+        front: lacquer,
+        back: lacquer,
+    });
+    let right = Affine3A::from_translation(Vec3::new(-0.97, 0.0, 0.0))
+        * Affine3A::from_rotation_y(-std::f32::consts::FRAC_PI_2);
+    // Seen from its back.
+    let right = maker.exact(ExactKind::Rectangle, right);
+    maker.shape(right, both, None, false);
     let black = maker.diffuse(0.0);
     // Faces up, towards the ceiling.
     let up = Affine3A::from_translation(Vec3::new(0.0, 0.5, 0.2))
@@ -161,22 +183,22 @@ fn over_seeds(seeds: u64, render: impl Fn(u64) -> Film) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// Renders that share agree with those that do not: 24 seeds each, in each of 16 blocks and as a whole.
+/// Renders that share agree with those that do not: 24 seeds each, in each of 16 blocks and as a whole. The guide of
+/// either is given.
 fn agree(
     what: &str,
     room: &Built,
-    guide: &Guide,
+    guides: [Option<&Guide>; 2],
     spp: u64,
     path: impl Fn(u32, u64) -> PathSettings,
 ) {
     const SEEDS: u64 = 24;
-    let render = |reuse, first: u64| {
+    let render = |reuse, guide, first: u64| {
         over_seeds(SEEDS, |seed| {
-            room.render_guided(&path(reuse, first + seed), spp, Some(guide))
-                .0
+            room.render_guided(&path(reuse, first + seed), spp, guide).0
         })
     };
-    let (shared, alone) = (render(32, 100), render(1, 200));
+    let (shared, alone) = (render(32, guides[0], 100), render(1, guides[1], 200));
     let z = |(a, b): (&(f64, f64), &(f64, f64))| (a.0 - b.0) / (a.1 + b.1).sqrt();
     let z: Vec<f64> = shared.iter().zip(&alone).map(z).collect();
     let worst = z[3..].iter().fold(0.0f64, |worst, z| worst.max(z.abs()));
@@ -204,25 +226,27 @@ fn agree(
 fn sharing_gives_the_mean_of_not_sharing() {
     let room = room();
     let field = learned(&room);
-    agree("learned", &room, &field, 256, path);
+    let both = [Some(&field); 2];
+    agree("learned", &room, both, 256, path);
+    agree("unguided", &room, [Some(&field), None], 1024, path);
     let noise = garbage(&room.scene, ModelKind::default(), 9);
-    agree("small groups", &room, &field, 256, |reuse, seed| {
+    agree("small groups", &room, both, 256, |reuse, seed| {
         path(reuse.min(8), seed)
     });
-    agree("random", &room, &noise, 1024, path);
-    agree("strict normals", &room, &field, 256, |reuse, seed| {
+    agree("random", &room, [Some(&noise); 2], 1024, path);
+    agree("strict normals", &room, both, 256, |reuse, seed| {
         PathSettings {
             strict_normals: true,
             ..path(reuse, seed)
         }
     });
-    agree("cut off early", &room, &field, 256, |reuse, seed| {
+    agree("cut off early", &room, both, 256, |reuse, seed| {
         PathSettings {
             max_depth: 4,
             ..path(reuse, seed)
         }
     });
-    agree("roulette at once", &room, &field, 256, |reuse, seed| {
+    agree("roulette at once", &room, both, 256, |reuse, seed| {
         PathSettings {
             rr_depth: 1,
             ..path(reuse, seed)

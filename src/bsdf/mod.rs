@@ -79,6 +79,7 @@ pub mod material;
 mod materials;
 mod microfacet;
 mod needs;
+mod parts;
 mod perturb;
 mod plain;
 mod resolve;
@@ -88,6 +89,7 @@ mod tree;
 pub use apart::{Apart, Rest};
 pub use material::Material;
 pub use materials::Materials;
+pub use parts::View;
 
 /// A material at one point: plain numbers, ready to sample.
 ///
@@ -200,12 +202,6 @@ impl Bsdf {
             Form::Tree(tree) => tree.albedo(tree.root()),
         };
         albedo.clamp(Rgb::ZERO, Rgb::ONE)
-    }
-
-    /// Whether it is known to look the same from all directions on one side.
-    #[inline]
-    pub fn is_diffuse(&self) -> bool {
-        matches!(self.form, Form::Diffuse(_))
     }
 
     /// Smallest roughness alpha among the smooth lobes: 1 for diffuse, 0 if there is none. Decides what guiding may touch.

@@ -119,6 +119,28 @@ impl Tree {
         (self.nodes.len() - 1) as NodeId
     }
 
+    /// The rough plastic that it is, as seen from its front or its back.
+    #[inline]
+    pub fn rough_plastic(&self) -> Option<&RoughPlastic> {
+        match self.nodes.as_slice() {
+            [Node::RoughPlastic(plastic)] | [Node::RoughPlastic(plastic), Node::Flipped(0)] => {
+                Some(plastic)
+            }
+            _ => None,
+        }
+    }
+
+    /// The same, to be changed.
+    #[inline]
+    pub fn rough_plastic_mut(&mut self) -> Option<&mut RoughPlastic> {
+        match self.nodes.as_mut_slice() {
+            [Node::RoughPlastic(plastic)] | [Node::RoughPlastic(plastic), Node::Flipped(0)] => {
+                Some(plastic)
+            }
+            _ => None,
+        }
+    }
+
     /// Whether a bump or normal map is anywhere inside.
     #[inline]
     pub fn turns_normal(&self) -> bool {

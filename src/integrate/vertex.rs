@@ -103,7 +103,7 @@ pub fn visit<'s>(
     if path.depth + 1 >= settings.max_depth && path.depth > 0 {
         return Next::END;
     }
-    let bsdf = scene
+    let mut bsdf = scene
         .surfaces
         .materials
         .resolve(surface.material, &point, wo);
@@ -117,7 +117,20 @@ pub fn visit<'s>(
             return Next::END;
         }
     }
-    scatter(walk, &point, &bsdf, wo, hit.t, path, watched)
+    scatter(walk, &point, &mut bsdf, wo, hit.t, path, watched)
+}
+
+/// Behind the first rough vertex of a guided path rough plastic is its coat or its base, by lot: of the base the field can
+/// tell what it will bring, and it can be shared. Returns what the path is to be multiplied by. (Relative variance
+/// times time of a kitchen 46 instead of 58.)
+#[inline]
+fn simplify(walk: &Walk, bsdf: &mut Bsdf, wo: Vec3, path: &Path) -> f32 {
+    if walk.guide.is_none() || path.stage == Stage::Fresh {
+        return 1.0;
+    }
+    // A number beside the path's own, and not the one by which a pool admits it.
+    let u = || path.sampler.fork(1).next4()[0];
+    bsdf.choose_part(wo, u).unwrap_or(1.0)
 }
 
 /// Samples a light, and sends the path on its way or ways from a point that it met at a distance.
@@ -125,7 +138,7 @@ pub fn visit<'s>(
 fn scatter<'s>(
     walk: &Walk<'s>,
     point: &SurfacePoint<'s>,
-    bsdf: &Bsdf,
+    bsdf: &mut Bsdf,
     wo: Vec3,
     distance: f32,
     path: &mut Path,
@@ -138,11 +151,15 @@ fn scatter<'s>(
         pool,
         witness,
     } = watched;
+    let part = simplify(walk, bsdf, wo, path);
     let so_far = match pool.arrive(path, point, bsdf, wo, forks) {
         Admission::Alone => outcome.radiance,
         Admission::Shares => Rgb::ZERO,
         Admission::Ended => return Next::END,
     };
+    // What is shared is what was found by this lot: it comes after the account was opened.
+    path.throughput *= part;
+    path.aimed_with *= part;
     let (guided, apart) = ask(walk, point, bsdf, wo, path);
     let mut vertex = Vertex {
         point,

@@ -107,7 +107,7 @@ fn observed(bsdf: &Bsdf, wo: Vec3, seed: u64) -> Vec<f64> {
 }
 
 /// One chi-square test at the given significance, and the total mass.
-fn check(what: &str, bsdf: &Bsdf, wo: Vec3, seed: u64, threshold: f64) {
+pub(super) fn check(what: &str, bsdf: &Bsdf, wo: Vec3, seed: u64, threshold: f64) {
     let density = expected(bsdf, wo);
     let counts = observed(bsdf, wo, seed);
     let mass: f64 = density.iter().sum();

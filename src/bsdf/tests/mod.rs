@@ -11,6 +11,7 @@ mod extremes;
 mod limits;
 mod mitsuba;
 mod models;
+mod parts;
 mod statistics;
 mod structure;
 

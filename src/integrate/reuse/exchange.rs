@@ -25,7 +25,7 @@ pub(super) struct Gift {
 struct Link {
     /// The stem that did, and this one.
     stems: [u32; 2],
-    /// What the stem came with, times BSDF and cosine.
+    /// What the stem came with, times BSDF and cosine, relative to how the suffix's own stem sees its vertex.
     throughput: Rgb,
     /// Solid angle that a unit of area at the vertex takes.
     area: f64,
@@ -98,15 +98,16 @@ impl<'e, 's> Exchange<'e, 's> {
         let (f, bsdf_pdf) = stem.bsdf.eval_pdf(stem.wo, wi, Transport::Radiance);
         let throughput = stem.throughput * f;
         let pdf = stem.guided.pdf(wi, bsdf_pdf);
+        let [own_view, view] = suffix.views(-wi);
         // The rule that decided about the suffix.
-        if !is_shareable(throughput / pdf) {
+        if !is_shareable(throughput / pdf, view) {
             return;
         }
         let distance = f64::from(distance);
         let area = f64::from(suffix.normals[0].dot(wi).abs()) / (distance * distance);
         let link = Link {
             stems,
-            throughput,
+            throughput: throughput * (view / own_view),
             area,
             density: f64::from(pdf) * area,
         };

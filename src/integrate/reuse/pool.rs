@@ -1,7 +1,7 @@
 //! The stems and suffixes of a wave.
 
 use super::exchange::Exchange;
-use super::stem::{Stem, Suffix, is_shareable};
+use super::stem::{Stem, Suffix};
 use super::{FOLLOWED, Origin, Stage};
 use crate::bsdf::Bsdf;
 use crate::integrate::forks::Forks;
@@ -75,16 +75,17 @@ impl<'s> Pool<'s> {
             return Admission::Alone;
         };
         path.stage = Stage::Past;
-        if !bsdf.is_diffuse() || !is_shareable(path.throughput) {
+        let suffix = bsdf.view().and_then(|v| Suffix::new(point, wo, path, v));
+        let Some(mut suffix) = suffix else {
             return Admission::Alone;
-        }
+        };
         // A number beside the path's own: those who are followed go where they would have gone.
         if self.chance < 1.0 && path.sampler.fork(0).next4()[0] >= self.chance {
             return Admission::Ended;
         }
-        let slot = forks.open(path.slot);
-        self.stems[stem as usize].suffix = Some(Suffix::new(point, wo, path, slot));
-        path.slot = slot;
+        path.slot = forks.open(path.slot);
+        suffix.slot = path.slot;
+        self.stems[stem as usize].suffix = Some(suffix);
         path.stand_for(self.chance.recip());
         Admission::Shares
     }

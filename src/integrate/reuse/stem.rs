@@ -1,6 +1,6 @@
 //! A path in two parts.
 
-use crate::bsdf::Bsdf;
+use crate::bsdf::{Bsdf, View};
 use crate::integrate::guiding::GuidedVertex;
 use crate::integrate::vertex::Vertex;
 use crate::integrate::wave::Path;
@@ -12,12 +12,14 @@ use crate::texture::SurfacePoint;
 pub(super) const LEAST_CHANNEL: f32 = 1.0 / 32.0;
 /// Nor does it if it has nearly underflown.
 const LEAST: f32 = 1e-20;
+/// Nor if it sees the vertex behind by so small a factor (see [`View`]).
+const LEAST_VIEW: f32 = 1.0 / 32.0;
 
-/// Whether a path with this throughput takes part.
+/// Whether a path with this throughput takes part that sees the vertex behind by the factor `view`.
 #[inline]
-pub(super) fn is_shareable(throughput: Rgb) -> bool {
+pub(super) fn is_shareable(throughput: Rgb, view: f32) -> bool {
     let (least, most) = (throughput.min_element(), throughput.max_element());
-    least >= LEAST && most.is_finite() && least >= LEAST_CHANNEL * most
+    least >= LEAST && most.is_finite() && least >= LEAST_CHANNEL * most && view >= LEAST_VIEW
 }
 
 /// A path up to its first rough vertex.
@@ -69,6 +71,7 @@ pub(super) struct Suffix {
     pub normals: [Vec3; 2],
     /// Towards its own stem.
     wo: Vec3,
+    view: View,
     /// The account of what is found here and behind.
     pub slot: u32,
     /// What its own path came with.
@@ -76,14 +79,23 @@ pub(super) struct Suffix {
 }
 
 impl Suffix {
-    pub fn new(point: &SurfacePoint, wo: Vec3, path: &Path, slot: u32) -> Self {
-        Self {
+    /// What a path shares that arrives at a vertex with this view; none if it takes no part.
+    #[inline]
+    pub fn new(point: &SurfacePoint, wo: Vec3, path: &Path, view: View) -> Option<Self> {
+        is_shareable(path.throughput, view.factor(wo)).then(|| Self {
             position: point.p,
             normals: point.normals(),
             wo,
-            slot,
+            view,
+            slot: path.slot,
             throughput: path.throughput,
-        }
+        })
+    }
+
+    /// By what factors its own stem and one in direction `w` see it.
+    #[inline]
+    pub fn views(&self, w: Vec3) -> [f32; 2] {
+        [self.wo, w].map(|w| self.view.factor(w))
     }
 
     /// Whether a place in direction `w` is on the side that its own path came from: the other may look otherwise.
