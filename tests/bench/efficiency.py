@@ -43,7 +43,7 @@ def render(args, scene, out, more):
     """Renders; the statistics."""
     with tempfile.NamedTemporaryFile(suffix=".json") as stats:
         command = [args.program, "render", scene, "-o", out, "--stats", stats.name, "--quiet", "--width", "320",
-                   "--max-depth", "12", "--rfilter", "box", "-j", str(args.threads), *defines(scene), *more]
+                   "--max-depth", str(args.max_depth), "--rfilter", "box", "-j", str(args.threads), *defines(scene), *more]
         subprocess.run(command, check=True)
         return json.load(open(stats.name))
 
@@ -51,7 +51,7 @@ def render(args, scene, out, more):
 def reference_of(args, scene):
     """The reference and the part of relMSE that is its own."""
     KEPT.mkdir(parents=True, exist_ok=True)
-    kept = KEPT / f"{scene.parent.name}-{scene.stem}-{args.reference_time:.0f}s.exr"
+    kept = KEPT / f"{scene.parent.name}-{scene.stem}-{args.max_depth}-{args.reference_time:.0f}s.exr"
     if not kept.exists():
         more = ["--guide", "double", "--seed", "977", "--format", "float", "--aov", "variance"]
         render(args, scene, kept, [*more, "--time", f"{args.reference_time}s", "--spp", "1000000"])
@@ -66,6 +66,7 @@ def main():
     parser.add_argument("scenes", nargs="+", type=pathlib.Path)
     parser.add_argument("--time", type=float, default=60, help="seconds of each render, learning included")
     parser.add_argument("--seeds", type=int, default=3)
+    parser.add_argument("--max-depth", type=int, default=12)
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--reference-time", type=float, default=240, help="seconds of a reference's render")
     parser.add_argument("--with", dest="configurations", action="append", metavar="OPTIONS",
