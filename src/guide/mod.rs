@@ -154,7 +154,7 @@
 //!   brightest samples of veach-ajar were paths that the field had sent to a glossy floor which mirrors the gap
 //!   of the door: by irradiance and albedo they would bring little, and up to nine in ten were ended. Without
 //!   that, and without counting what a sample has already against the rest of it, its relative variance is 5.6 instead of 7.3, for
-//!   7.9 instead of 6.7 rays a path. Paths that bring more than twice what was expected are split, and others
+//!   7.9 instead of 6.7 rays a path. Paths that bring more than was expected are split, and others
 //!   ended a little sooner: 4.7 for 8.0 rays; a kitchen 11.9 for 5.9 rays instead of 13.8 for 5.2. (A table of
 //!   windows is in `integrate/roulette.rs`.)
 //! * **A delta lobe and the rest are both followed.** A path aimed at the sun's image in varnish was one in twenty

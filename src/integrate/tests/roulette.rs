@@ -75,18 +75,11 @@ fn nonsense_from_a_field_never_ends_a_path() {
 }
 
 #[test]
-fn a_path_worth_much_more_than_its_sample_is_split_into_ways_worth_twice_as_much_at_most() {
+fn a_path_worth_more_than_its_sample_is_split_into_ways_worth_1_2_times_as_much_at_most() {
     let mut p = path(Rgb::ONE, 1.0);
     assert_eq!(ways(&p, 1e9), 1, "nothing is expected yet");
     p.expected = 3.0;
-    for (coming, n) in [
-        (0.0, 1),
-        (6.0, 1),
-        (6.1, 2),
-        (12.0, 2),
-        (13.0, 3),
-        (1e9, 32),
-    ] {
+    for (coming, n) in [(0.0, 1), (3.5, 1), (3.7, 2), (7.1, 2), (7.3, 3), (1e9, 32)] {
         assert_eq!(ways(&p, coming), n, "{coming}");
     }
     for (so_far, n) in [(2, 16), (5, 6), (20, 1), (32, 1), (33, 1)] {
@@ -94,7 +87,7 @@ fn a_path_worth_much_more_than_its_sample_is_split_into_ways_worth_twice_as_much
         assert_eq!(ways(&p, 1e30), n, "{so_far}");
     }
     // No way is in danger of roulette at once.
-    assert_eq!(by_field(&mut p, 6.1 / 2.0), 1.0);
+    assert_eq!(by_field(&mut p, 3.7 / 2.0), 1.0);
 }
 
 /// Dividing by the chance makes up for the paths that ended.
