@@ -9,7 +9,9 @@
 //!
 //! Three gains are compared per byte: dividing space, dividing directions, and both at once (a light
 //! that wanders across a cell as one moves shows in neither marginal); a joint gain is realised by
-//! dividing space first. The best are taken until memory is used up.
+//! dividing space first. The best are taken until memory is used up. (Where it is short, a cell's share of the camera
+//! paths' vertices instead of its share of the flux chooses no better: the door with mixtures in a twentieth and an
+//! eighth of what they would take, RMSE 0.355 and 0.355, 0.346 and 0.345, beside 0.312 without a limit.)
 
 use super::links::Split;
 use super::record::Origin;

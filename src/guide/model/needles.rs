@@ -4,6 +4,10 @@
 //! direction, and only some cells of a region have met it so far. A cell that has not draws it with the density
 //! of the dim light around it, and the path that finds it then is a firefly. So every cell draws a small share
 //! from the narrow lobes of all cells in the same larger cell of R.
+//!
+//! A tenth of the samples from what all mixtures of a larger cell find improbable instead (eight records a cell, kept
+//! with a chance in proportion to weight over the root of the density, in a table of cells 1.8 degrees wide) was tried
+//! beside that: 0.90 of the torus's relative variance, but 1.12 of a kitchen's, in 1.05 times the time.
 
 use super::gauss::PRIOR;
 use crate::guide::gaussian::{Domain, LOBES, Lobe, Mixture, positive};
