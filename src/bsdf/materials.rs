@@ -75,7 +75,7 @@ impl Materials {
 
     /// Resolves material `id` at a point seen from direction `wo` (unit, away from the surface).
     // Inlined so that the result is built where the caller keeps it instead of being copied there.
-    #[inline]
+    #[inline(always)]
     pub fn resolve(&self, id: MaterialId, point: &SurfacePoint, wo: Vec3) -> Bsdf {
         if let Some((frame, diffuse)) = self.resolve_plain(id, point, wo) {
             return Bsdf {

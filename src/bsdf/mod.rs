@@ -140,7 +140,8 @@ impl Bsdf {
     }
 
     /// `eval` and `pdf` together: cheaper than one after the other.
-    #[inline]
+    // Inlined: most surfaces are diffuse, and a call takes longer than they do.
+    #[inline(always)]
     pub fn eval_pdf(&self, wo: Vec3, wi: Vec3, transport: Transport) -> (Rgb, f32) {
         let (o, i) = (self.frame.to_local(wo), self.frame.to_local(wi));
         let (value, pdf) = match &self.form {
@@ -155,7 +156,8 @@ impl Bsdf {
 
     /// Draws a direction. `u_lobe` chooses among lobes, `u` inside one. `None` where nothing scatters
     /// (absorbed, below the horizon): a sample of value zero, never to be drawn again.
-    #[inline]
+    // Inlined for the same reason.
+    #[inline(always)]
     pub fn sample(
         &self,
         wo: Vec3,

@@ -23,7 +23,7 @@ pub(super) enum Form {
 
 impl Materials {
     /// Frame and model of material `id`, if it is diffuse as seen from `wo`.
-    #[inline]
+    #[inline(always)]
     pub(super) fn resolve_plain(
         &self,
         id: MaterialId,

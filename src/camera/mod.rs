@@ -185,7 +185,7 @@ impl Camera {
         let ray = Ray {
             org: self.to_world.transform_point3(org).as_vec3(),
             tmin: (self.near * length) as f32,
-            dir: (world_dir / length).as_vec3(),
+            dir: (world_dir * length.recip()).as_vec3(),
             tmax: (self.far * length) as f32,
         };
         if let Lens::Parallel = self.lens {
@@ -196,12 +196,12 @@ impl Camera {
             };
         }
         // A pixel off the axis is farther away and seen at a slant: its solid angle shrinks with
-        // cos^3, so its width with cos^1.5.
-        let cos = 1.0 / dir.length();
+        // cos^3, so its width with cos^1.5. Single precision does for that.
+        let cos = dir.as_vec3().length_recip();
         CameraRay {
             ray,
             cone_width: 0.0,
-            cone_spread: (self.pixel_width * cos * cos.sqrt()) as f32,
+            cone_spread: self.pixel_width as f32 * cos * cos.sqrt(),
         }
     }
 }

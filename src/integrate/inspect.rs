@@ -176,7 +176,7 @@ fn step(
         pool: &mut Pool::new(1),
         witness: &mut (),
     };
-    let next = visit(&view.walk(), ray, &hit[0], path, watched);
+    let next = visit::<true>(&view.walk(), ray, &hit[0], path, watched);
     let met = outcome.radiance;
     outcome.radiance = before + met;
     let light = next.shadow.map(|(shadow, brought)| {

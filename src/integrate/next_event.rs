@@ -25,33 +25,32 @@ pub struct ShadowRay {
 
 /// A shadow ray with the light it would bring, if there is one. With a guide it is left out where it seldom
 /// brings any.
-#[inline]
-pub(super) fn sample_light(
+#[inline(always)]
+pub(super) fn sample_light<const GUIDED: bool>(
     walk: &Walk,
     vertex: &Vertex,
     path: &mut Path,
-    u: [f32; 3],
+    mut u: [f32; 3],
 ) -> Option<(Ray, Rgb)> {
     let Walk {
         scene, settings, ..
     } = *walk;
     let Vertex {
-        point,
-        bsdf,
-        guided,
-        wo,
-        ..
+        point, bsdf, wo, ..
     } = *vertex;
+    let guided = vertex.guided.filter(|_| GUIDED);
     path.light_chance = guided.map_or(1.0, GuidedVertex::light_chance);
     if !bsdf.flags().has(LobeFlags::SMOOTH) {
         path.from_normal = Vec3::ZERO;
         return None;
     }
     path.from_normal = bsdf.light_normal(wo);
-    if u[0] >= path.light_chance {
-        return None;
+    if GUIDED {
+        if u[0] >= path.light_chance {
+            return None;
+        }
+        u[0] = (u[0] / path.light_chance).min(BELOW_ONE);
     }
-    let u = [(u[0] / path.light_chance).min(BELOW_ONE), u[1], u[2]];
     let light = scene.lights.sample(point.p, path.from_normal, u)?;
     if settings.strict_normals
         && (crosses(point.normals(), light.dir) || crosses(point.normals(), wo))

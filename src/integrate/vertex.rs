@@ -67,8 +67,12 @@ impl<W: Witness> Watched<'_, '_, W> {
 
 /// Handles what `ray` met: adds emission to the path's account, samples a light, samples the BSDF (and the
 /// field, with a guide), splits the path or plays roulette.
-#[inline]
-pub fn visit<'s>(
+///
+/// `GUIDED` says whether the walk may have a guide: otherwise what only guided paths do is left out when this
+/// is compiled. It stands in its caller so that rays and paths need not be handed over through memory:
+/// what was just written by halves would be waited for when it is read as a whole.
+#[inline(always)]
+pub fn visit<'s, const GUIDED: bool>(
     walk: &Walk<'s>,
     ray: &Ray,
     hit: &Hit,
@@ -117,7 +121,7 @@ pub fn visit<'s>(
             return Next::END;
         }
     }
-    scatter(walk, &point, &mut bsdf, wo, hit.t, path, watched)
+    scatter::<GUIDED>(walk, &point, &mut bsdf, wo, hit.t, path, watched)
 }
 
 /// Behind the first rough vertex of a guided path rough plastic is its coat or its base, by lot: of the base the field can
@@ -134,8 +138,8 @@ fn simplify(walk: &Walk, bsdf: &mut Bsdf, wo: Vec3, path: &Path) -> f32 {
 }
 
 /// Samples a light, and sends the path on its way or ways from a point that it met at a distance.
-#[inline]
-fn scatter<'s>(
+#[inline(always)]
+fn scatter<'s, const GUIDED: bool>(
     walk: &Walk<'s>,
     point: &SurfacePoint<'s>,
     bsdf: &mut Bsdf,
@@ -151,16 +155,20 @@ fn scatter<'s>(
         pool,
         witness,
     } = watched;
-    let part = simplify(walk, bsdf, wo, path);
-    let so_far = match pool.arrive(path, point, bsdf, wo, forks) {
-        Admission::Alone => outcome.radiance,
-        Admission::Shares => Rgb::ZERO,
-        Admission::Ended => return Next::END,
-    };
-    // What is shared is what was found by this lot: it comes after the account was opened.
-    path.throughput *= part;
-    path.aimed_with *= part;
-    let (guided, apart) = ask(walk, point, bsdf, wo, path);
+    let mut so_far = outcome.radiance;
+    let (mut guided, mut apart) = (None, None);
+    if GUIDED {
+        let part = simplify(walk, bsdf, wo, path);
+        match pool.arrive(path, point, bsdf, wo, forks) {
+            Admission::Alone => {}
+            Admission::Shares => so_far = Rgb::ZERO,
+            Admission::Ended => return Next::END,
+        }
+        // What is shared is what was found by this lot: it comes after the account was opened.
+        path.throughput *= part;
+        path.aimed_with *= part;
+        (guided, apart) = ask(walk, point, bsdf, wo, path);
+    }
     let mut vertex = Vertex {
         point,
         bsdf,
@@ -175,14 +183,14 @@ fn scatter<'s>(
         throughput: path.throughput,
         radiance: so_far,
     };
-    let shadow = sample_light(walk, &vertex, path, [block[0], block[1], block[2]]);
-    let coming = coming(settings, &vertex, path.throughput);
+    let shadow = sample_light::<GUIDED>(walk, &vertex, path, [block[0], block[1], block[2]]);
+    let coming = coming::<GUIDED>(settings, &vertex, path.throughput);
     vertex.ways = coming.map_or(1, |coming| roulette::ways(path, coming));
-    if pool.is_open() && is_stem(settings, &vertex, path, coming) {
+    if GUIDED && pool.is_open() && is_stem(settings, &vertex, path, coming) {
         vertex.stem = pool.add_stem(&vertex, path, forks);
     }
     let mut go = |path: &mut Path, arrival: &Arrival, lobe: Option<BsdfSample>| {
-        let onward = go_on(settings, &vertex, path, lobe, block[3], arrival);
+        let onward = go_on::<GUIDED>(settings, &vertex, path, lobe, block[3], arrival);
         if lobe.is_none() {
             watch(&vertex, path, arrival, onward.as_ref(), witness);
         }
@@ -196,7 +204,7 @@ fn scatter<'s>(
     let shadow = shadow.map(|(ray, radiance)| (ray, ShadowRay { slot, radiance }));
     let ray = match alone {
         Some(Alone(ray)) => ray,
-        None if vertex.ways > 1 => {
+        None if GUIDED && vertex.ways > 1 => {
             forks.split(vertex.ways, path, |path, arrival| go(path, arrival, None))
         }
         None => go(path, &arrival, None),
@@ -227,8 +235,12 @@ fn ask<'s>(
 /// What a path that came with this throughput will bring by the field's account, if the field can tell and is
 /// to be asked.
 #[inline]
-fn coming(settings: &PathSettings, vertex: &Vertex, throughput: Rgb) -> Option<f32> {
-    if settings.roulette != Roulette::Field {
+fn coming<const GUIDED: bool>(
+    settings: &PathSettings,
+    vertex: &Vertex,
+    throughput: Rgb,
+) -> Option<f32> {
+    if !GUIDED || settings.roulette != Roulette::Field {
         return None;
     }
     let reflected = vertex.guided?.reflected()?;
@@ -264,7 +276,7 @@ pub(super) struct Vertex<'v, 's> {
 }
 
 /// The ray along a sampled direction.
-#[inline]
+#[inline(always)]
 fn leave(vertex: &Vertex, path: &mut Path, sample: &BsdfSample, distance: f32) -> Option<Ray> {
     let delta = sample.lobe.has(LobeFlags::DELTA);
     let Vertex { point, bsdf, .. } = *vertex;
@@ -283,8 +295,8 @@ fn leave(vertex: &Vertex, path: &mut Path, sample: &BsdfSample, distance: f32) -
 
 /// The next direction, of the BSDF or of the mixture of BSDF and field unless it is known already (`lobe`), and
 /// the chance with which roulette let the path take it, both already part of the throughput.
-#[inline]
-fn go_on(
+#[inline(always)]
+fn go_on<const GUIDED: bool>(
     settings: &PathSettings,
     vertex: &Vertex,
     path: &mut Path,
@@ -293,12 +305,9 @@ fn go_on(
     arrival: &Arrival,
 ) -> Option<(BsdfSample, f32)> {
     let Vertex {
-        point,
-        bsdf,
-        guided,
-        wo,
-        ..
+        point, bsdf, wo, ..
     } = *vertex;
+    let guided = vertex.guided.filter(|_| GUIDED);
     let block = path.sampler.next4();
     path.depth += 1;
     let sample = match (lobe, guided) {
@@ -325,7 +334,7 @@ fn go_on(
     let coming = match lobe {
         // What the field expects comes by the smooth lobes.
         Some(_) => None,
-        None => coming(settings, vertex, arrival.throughput),
+        None => coming::<GUIDED>(settings, vertex, arrival.throughput),
     };
     let survival = match coming {
         Some(coming) => roulette::by_field(path, coming),

@@ -190,7 +190,10 @@ impl Wave {
             self.hits.resize(self.rays.len(), Hit::NONE);
             walk.scene.rays.intersect_batch(&self.rays, &mut self.hits);
             self.rays_traced += self.rays.len() as u64;
-            self.advance(walk, witness, pool);
+            match walk.guide {
+                Some(_) => self.advance::<true>(walk, witness, pool),
+                None => self.advance::<false>(walk, witness, pool),
+            }
             self.collect_light(walk.scene, witness);
         }
     }
@@ -201,7 +204,12 @@ impl Wave {
     }
 
     /// Handles one vertex of every path and keeps those that go on, in order.
-    fn advance<'s>(&mut self, walk: &Walk<'s>, witness: &mut impl Witness, pool: &mut Pool<'s>) {
+    fn advance<'s, const GUIDED: bool>(
+        &mut self,
+        walk: &Walk<'s>,
+        witness: &mut impl Witness,
+        pool: &mut Pool<'s>,
+    ) {
         self.shadows.clear();
         self.shadow_rays.clear();
         let mut kept = 0;
@@ -210,7 +218,9 @@ impl Wave {
                 let next = &self.hits[i..(i + AHEAD).min(self.paths.len())];
                 walk.scene.surfaces.touch(next);
             }
-            let path = &mut self.paths[i];
+            // Moved up before it goes on: a copy of what was just written would wait for it.
+            self.paths[kept] = self.paths[i];
+            let path = &mut self.paths[kept];
             let outcome = &mut self.outcomes[path.slot as usize];
             let watched = Watched {
                 outcome,
@@ -218,13 +228,13 @@ impl Wave {
                 witness: &mut *witness,
                 pool: &mut *pool,
             };
-            let next = vertex::visit(walk, &self.rays[i], &self.hits[i], path, watched);
+            let (ray, hit) = (&self.rays[i], &self.hits[i]);
+            let next = vertex::visit::<GUIDED>(walk, ray, hit, path, watched);
             if let Some((ray, shadow)) = next.shadow {
                 self.shadow_rays.push(ray);
                 self.shadows.push(shadow);
             }
             let Some(ray) = next.ray else { continue };
-            self.paths[kept] = self.paths[i];
             self.rays[kept] = ray;
             kept += 1;
         }

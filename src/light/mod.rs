@@ -91,7 +91,7 @@ impl Lights {
     /// Samples a direction towards light from the point `p`. `n` is the surface normal there (zero
     /// where light from all sides counts). `u[0]` chooses the emitter, `u[1..3]` a point on it.
     /// `None` where no light can arrive.
-    #[inline]
+    #[inline(always)]
     pub fn sample(&self, p: Vec3, n: Vec3, u: [f32; 3]) -> Option<LightSample> {
         let place = Vec2::new(u[1], u[2]);
         let share = self.distant_share(p, n);
@@ -133,7 +133,7 @@ impl Lights {
         self.distant.iter().map(|(_, d)| d.importance(n)).sum()
     }
 
-    #[inline]
+    #[inline(always)]
     fn sample_local(
         &self,
         p: Vec3,

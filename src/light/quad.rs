@@ -5,7 +5,9 @@
 use super::cluster::Cluster;
 use super::leaf::{Incident, Place, at_distance, solid_angle_density};
 use super::triangle::unit_normal;
+use crate::math::special::arc_cosines;
 use crate::math::{Vec2, Vec3};
+use std::array::from_fn;
 use std::f32::consts::TAU;
 
 /// A parallelogram that glows on the side of `normal`.
@@ -103,7 +105,7 @@ impl Quad {
     }
 
     /// The spherical rectangle, where it is one and large enough.
-    #[inline]
+    #[inline(always)]
     fn seen(&self, p: Vec3) -> Option<Seen> {
         let (units, lengths) = self.rectangle?;
         let to = self.corner + (self.edges[0] + self.edges[1]) * 0.5 - p;
@@ -115,11 +117,13 @@ impl Quad {
         let z = -d.dot(self.normal).abs();
         let x = [d.dot(units[0]), d.dot(units[0]) + lengths[0]];
         let y = [d.dot(units[1]), d.dot(units[1]) + lengths[1]];
-        let unit_z = |v: f32| v / (v * v + z * z).sqrt();
-        let n = [-unit_z(y[0]), unit_z(x[1]), unit_z(y[1]), -unit_z(x[0])];
-        let angle = |a: f32, b: f32| (-a * b).clamp(-1.0, 1.0).acos();
-        let k = TAU - angle(n[2], n[3]) - angle(n[3], n[0]);
-        let solid_angle = angle(n[0], n[1]) + angle(n[1], n[2]) - k;
+        // Four numbers at a time: these loops become vector code.
+        let sides = [-y[0], x[1], y[1], -x[0]];
+        let n: [f32; 4] = from_fn(|i| sides[i] / (sides[i] * sides[i] + z * z).sqrt());
+        let next = [n[1], n[2], n[3], n[0]];
+        let angle = arc_cosines(from_fn(|i| -n[i] * next[i]));
+        let k = TAU - angle[2] - angle[3];
+        let solid_angle = angle[0] + angle[1] - k;
         (solid_angle > EXACT_ENOUGH).then_some(Seen {
             x,
             y,
@@ -173,8 +177,10 @@ impl Seen {
         let c = c.clamp(-1.0, 1.0);
         let x = -(c * self.z) / (1.0 - c * c).max(1e-12).sqrt();
         let x = x.clamp(self.x[0], self.x[1]);
-        let d = x.hypot(self.z);
-        let h = self.y.map(|y| y / d.hypot(y));
+        // Nothing here is larger or smaller than what `seen` has squared.
+        let d2 = x * x + self.z * self.z;
+        let d = d2.sqrt();
+        let h = self.y.map(|y| y / (d2 + y * y).sqrt());
         let h = h[0] + u.y * (h[1] - h[0]);
         let y = h * d / (1.0 - h * h).max(1e-12).sqrt();
         [x, y.clamp(self.y[0], self.y[1])]

@@ -6,23 +6,23 @@
 /// do not overflow. Infinite `a` (a delta) gives 1; two zeros give 0.
 #[inline]
 pub fn power_heuristic(a: f32, b: f32) -> f32 {
-    if a >= b {
-        if a == 0.0 {
-            return 0.0;
-        }
-        if a.is_infinite() {
-            return if b.is_infinite() { 0.5 } else { 1.0 };
-        }
-        let r = b / a;
-        1.0 / (1.0 + r * r)
-    } else {
-        if b.is_infinite() {
-            return 0.0;
-        }
-        let r = a / b;
-        let r2 = r * r;
-        r2 / (1.0 + r2)
+    // Which is the larger is chance: a processor that guesses it wrong loses more time than all of this takes.
+    let larger = if a >= b { a } else { b };
+    let smaller = if a >= b { b } else { a };
+    if larger.is_infinite() {
+        return match (a.is_infinite(), b.is_infinite()) {
+            (true, true) => 0.5,
+            (true, false) => 1.0,
+            (false, _) => 0.0,
+        };
     }
+    if larger == 0.0 {
+        return 0.0;
+    }
+    let r = smaller / larger;
+    let r2 = r * r;
+    let above = if a >= b { 1.0 } else { r2 };
+    above / (1.0 + r2)
 }
 
 #[cfg(test)]

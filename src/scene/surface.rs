@@ -76,7 +76,7 @@ impl Surfaces {
     }
 
     /// The point where `ray` met something. `footprint` is the width of the ray's cone there.
-    #[inline]
+    #[inline(always)]
     pub fn point(&self, ray: &Ray, hit: &Hit, footprint: f32) -> SurfacePoint<'_> {
         let surface = &self.list[hit.shape as usize];
         if hit.instance == NO_INSTANCE {
@@ -140,7 +140,7 @@ impl Opacity for Surfaces {
 
 impl Surface {
     /// The point in the shape's own space (world space unless it is in a group).
-    #[inline]
+    #[inline(always)]
     fn local_point(&self, met: Vec3, hit: &Hit) -> SurfacePoint<'_> {
         match &self.form {
             Form::Mesh(mesh) => mesh_point(mesh, hit, self.needs),
@@ -160,6 +160,7 @@ fn plane_error(e1: Vec3, e2: Vec3, cross_length: f32) -> f32 {
     turned.min(MOST_TURNED) * longest
 }
 
+#[inline(always)]
 fn mesh_point<'a>(mesh: &'a Mesh, hit: &Hit, needs: Needs) -> SurfacePoint<'a> {
     let vertices = mesh.triangles.triangles()[hit.prim as usize];
     let [a, b, c] = mesh.triangles.corners(hit.prim);
@@ -192,11 +193,7 @@ fn mesh_point<'a>(mesh: &'a Mesh, hit: &Hit, needs: Needs) -> SurfacePoint<'a> {
         p,
         error,
         ng,
-        frame: Frame {
-            s: Vec3::X,
-            t: Vec3::Y,
-            n,
-        },
+        frame: Frame::new(n),
         dp_du: Vec3::ZERO,
         dp_dv: Vec3::ZERO,
         dn_du: Vec3::ZERO,
@@ -208,25 +205,25 @@ fn mesh_point<'a>(mesh: &'a Mesh, hit: &Hit, needs: Needs) -> SurfacePoint<'a> {
         barycentric: Vec2::new(hit.u, hit.v),
         attributes: (!mesh.attributes.list.is_empty()).then_some(&mesh.attributes),
     };
-    if !needs.tangents {
-        point.frame = Frame::new(n);
-        return point;
-    }
-    let along = UvInverse::new(corner_uvs);
-    (point.dp_du, point.dp_dv) = along.map_or_else(|| tangents_of(ng), |m| m.apply(e1, e2));
-    point.frame = Frame::with_tangent(n, point.dp_du);
-    if needs.normal_change {
-        if let (Some(m), Some([na, nb, nc])) = (along, corner_normals) {
-            let (du, dv) = m.apply(nb - na, nc - na);
-            let scale = (na * w + nb * hit.u + nc * hit.v)
-                .length()
-                .max(1e-6)
-                .recip();
-            point.dn_du = (du - n * n.dot(du)) * scale;
-            point.dn_dv = (dv - n * n.dot(dv)) * scale;
+    if needs.tangents {
+        let along = UvInverse::new(corner_uvs);
+        (point.dp_du, point.dp_dv) = along.map_or_else(|| tangents_of(ng), |m| m.apply(e1, e2));
+        point.frame = Frame::with_tangent(n, point.dp_du);
+        if let (true, Some(m), Some(normals)) = (needs.normal_change, along, corner_normals) {
+            change_normal(&mut point, &m, normals);
         }
     }
     point
+}
+
+/// Sets how the normal of a triangle's point changes with u and v.
+fn change_normal(point: &mut SurfacePoint, along: &UvInverse, [na, nb, nc]: [Vec3; 3]) {
+    let (n, Vec2 { x: u, y: v }) = (point.frame.n, point.barycentric);
+    let (du, dv) = along.apply(nb - na, nc - na);
+    let mean = na * (1.0 - u - v) + nb * u + nc * v;
+    let scale = mean.length().max(1e-6).recip();
+    point.dn_du = (du - n * n.dot(du)) * scale;
+    point.dn_dv = (dv - n * n.dot(dv)) * scale;
 }
 
 /// Tangents where the texture coordinates give none.
