@@ -2,8 +2,9 @@
 """How much sooner guiding reaches an error: renders of the same length with and without it, as a Markdown table.
 
 Efficiency is 1 / (relMSE x seconds), learning included, loading and building of the rays' tree not. relMSE
-is the mean of (I - R)^2 / (R^2 + 0.01) over pixels and channels without the worst 0.1 % of pixels. Each
-cell is the median over the seeds; rounds take the configurations in turn.
+is the mean of (I - R)^2 / (R^2 + 0.01) over pixels and channels without the worst 0.1 % of pixels. Rays a
+second are those of rendering, without learning. Each cell is the median over the seeds; rounds take the
+configurations in turn.
 
 The reference R is a guided render of this program with a seed of its own and --reference-time seconds, kept
 in target/efficiency (that the program's images are right is for tests/agreement.rs to say). The part of the
@@ -74,8 +75,8 @@ def main():
     parser.add_argument("--program", default="target/release/twintree")
     args = parser.parse_args()
     configurations = ["--guide none", *(args.configurations or ["--guide double"])]
-    print("| scene | options | relMSE | seconds, learning | samples a pixel | relMSE x seconds | efficiency |")
-    print("|---|---|---|---|---|---|---|")
+    print("| scene | options | relMSE | seconds, learning | samples a pixel | M rays/s | relMSE x seconds | efficiency |")
+    print("|---|---|---|---|---|---|---|---|")
     for scene in args.scenes:
         reference, floor = reference_of(args, scene)
         rounds = {options: [] for options in configurations}
@@ -87,13 +88,14 @@ def main():
                     stats = render(args, scene, out, more)
                     learning = stats["train_seconds"]
                     seconds = stats["render_seconds"]  # learning included
+                    rate = 1e-6 * stats["rays"] / (seconds - learning)
                     error = relmse(layers(out)["<root>"], reference) - floor
-                    results.append((error, seconds, learning, stats["spp"], error * seconds))
+                    results.append((error, seconds, learning, stats["spp"], rate, error * seconds))
         middle = {options: [statistics.median(r) for r in zip(*results)] for options, results in rounds.items()}
-        plain = middle[configurations[0]][4]
-        for options, (error, seconds, learning, spp, cost) in middle.items():
+        plain = middle[configurations[0]][-1]
+        for options, (error, seconds, learning, spp, rate, cost) in middle.items():
             print(f"| {scene.parent.name} | {options} | {error:.5f} | {seconds:.0f}, {learning:.1f} | {spp:.0f} "
-                  f"| {cost:.3f} | {plain / cost:.2f}x |")
+                  f"| {rate:.2f} | {cost:.3f} | {plain / cost:.2f}x |")
             sys.stdout.flush()
 
 

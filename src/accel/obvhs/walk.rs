@@ -33,7 +33,8 @@ impl BoxRay {
     pub fn new(org: Vec3, dir: Vec3, tmin: f32) -> Self {
         let smallest = (dir.abs().max_element() * SMALLEST).max(f32::MIN_POSITIVE);
         let inverse = dir.map(|d| 1.0 / d.abs().max(smallest).copysign(d));
-        let negative = dir.to_array().map(|d| d < 0.0);
+        // By the sign bit, as the reciprocal's: a component of -0 is one of the negative ones.
+        let negative = dir.to_array().map(f32::is_sign_negative);
         // Child slots are numbered by octant: xor with this visits those that face the ray first.
         let bit = |axis: usize, bit: u32| if negative[axis] { 0 } else { bit };
         Self {

@@ -3,10 +3,11 @@
 use super::brute::{Candidate, crossings};
 use super::worlds::*;
 use crate::accel::*;
+use crate::math::{Pcg32, Vec3};
 
 /// Compares a hit with brute force. Rounding may decide otherwise only where the ray meets an edge, or
 /// where two crossings are closer together than `tolerance`.
-fn agree(hit: &Hit, found: &[Candidate], tolerance: f64) -> Result<(), String> {
+pub fn agree(hit: &Hit, found: &[Candidate], tolerance: f64) -> Result<(), String> {
     let clear = |c: &&Candidate| c.margin > tolerance;
     if !hit.is_some() {
         return match found.iter().find(clear) {
@@ -75,6 +76,22 @@ fn check_world(world: &World, rays: &[Ray], tolerance: f64) {
 fn triangles_are_met_as_brute_force_meets_them() {
     let world = mesh_world(soup(300, 0.3, 1));
     check_world(&world, &rays(100_000, 1.5, 2), 2e-6);
+}
+
+/// Cameras without perspective and suns overhead trace such rays; a zero's sign tells nothing.
+#[test]
+fn rays_along_an_axis_are_met_whatever_sign_their_zeros_have() {
+    let mut rng = Pcg32::new(6, 1);
+    let rays: Vec<_> = (0..24_000)
+        .map(|i| {
+            let sign = |bit: usize| if i >> bit & 1 == 0 { 1.0 } else { -1.0 };
+            let mut dir = Vec3::new(0.0 * sign(0), 0.0 * sign(1), 0.0 * sign(2));
+            dir[i / 8 % 3] = sign(i / 8 % 3);
+            Ray::new(point(&mut rng, 1.5), dir)
+        })
+        .collect();
+    check_world(&mesh_world(soup(300, 0.3, 5)), &rays, 2e-6);
+    check_world(&mixed_world(), &rays, 2e-5);
 }
 
 #[test]

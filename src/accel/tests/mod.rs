@@ -1,5 +1,7 @@
 //! Both backends against brute force and against each other.
 
+#[cfg(feature = "embree")]
+mod both;
 mod brute;
 mod closest;
 mod cuts;
