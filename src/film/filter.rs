@@ -182,7 +182,9 @@ impl Table {
 
     #[inline]
     fn sample(&self, radius: f32, u: f32) -> (f32, f32) {
-        let bin = self.bins.sample((f64::from(u) * 4_294_967_296.0) as u32);
+        let bin = self
+            .bins
+            .sample((f64::from(u) * 18_446_744_073_709_551_616.0) as u64);
         let x = radius * (2.0 * (bin.index as f32 + bin.rest) / BINS as f32 - 1.0);
         let ends = [self.edges[bin.index], self.edges[bin.index + 1]];
         let filter = ends[0].lerp(ends[1], bin.rest);

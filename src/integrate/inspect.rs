@@ -183,7 +183,7 @@ fn step(
         let mut blocked = [false];
         rays.occluded_batch(&[shadow], &mut blocked);
         let light = LightBrought {
-            radiance: brought.radiance,
+            radiance: brought.offer.radiance(&view.scene.lights),
             blocked: blocked[0],
         };
         (brought.slot, light)

@@ -5,6 +5,7 @@ use super::vertex::{Vertex, Walk};
 use super::wave::Path;
 use crate::accel::Ray;
 use crate::bsdf::{LobeFlags, Transport};
+use crate::light::{Incoming, Lights};
 use crate::math::mis::power_heuristic;
 use crate::math::offset::{gamma, offset_origin};
 use crate::math::rng::BELOW_ONE;
@@ -14,13 +15,30 @@ use crate::math::{Rgb, Vec3};
 /// light's own surface. An occluder closer to the light than this is not seen.
 const SHADOW_MARGIN: f32 = 1e-4;
 
-/// Light that a sample receives if nothing is in between.
+/// Light that a path receives if nothing is in between.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Offer {
+    /// What comes from the light.
+    pub incoming: Incoming,
+    /// What it is multiplied by: throughput, BSDF and MIS weight over density.
+    factor: Rgb,
+}
+
+impl Offer {
+    /// The radiance that the path's sample gains.
+    #[inline]
+    pub fn radiance(&self, lights: &Lights) -> Rgb {
+        self.factor * lights.radiance(&self.incoming)
+    }
+}
+
+/// An offer, for an account.
 #[derive(Clone, Copy, Debug)]
 pub struct ShadowRay {
     /// The account that it is paid into.
     pub slot: u32,
-    /// Throughput, BSDF, light and MIS weight multiplied out.
-    pub radiance: Rgb,
+    /// What is paid.
+    pub(super) offer: Offer,
 }
 
 /// A shadow ray with the light it would bring, if there is one. With a guide it is left out where it seldom
@@ -31,7 +49,7 @@ pub(super) fn sample_light<const GUIDED: bool>(
     vertex: &Vertex,
     path: &mut Path,
     mut u: [f32; 3],
-) -> Option<(Ray, Rgb)> {
+) -> Option<(Ray, Offer)> {
     let Walk {
         scene, settings, ..
     } = *walk;
@@ -69,14 +87,17 @@ pub(super) fn sample_light<const GUIDED: bool>(
         power_heuristic(light_pdf, pdf)
     };
     // Large BSDFs (narrow lobes) meet small weights before bright lights: the other order overflows (S8).
-    let radiance = path.throughput * (f * (weight / light_pdf)) * light.radiance;
+    let offer = Offer {
+        factor: path.throughput * (f * (weight / light_pdf)),
+        incoming: light.incoming,
+    };
     let org = offset_origin(point.p, point.error, point.ng, light.dir);
     let ray = if light.distance.is_finite() {
         shadow_ray(org, point.p + light.dir * light.distance)
     } else {
         Ray::new(org, light.dir)
     };
-    Some((ray, radiance))
+    Some((ray, offer))
 }
 
 /// A ray that ends just before a place on a light.

@@ -201,7 +201,7 @@ fn scatter<'s, const GUIDED: bool>(
     });
     // The light that was sampled belongs to the rest of the lobes, and to all of their ways together.
     let slot = path.slot;
-    let shadow = shadow.map(|(ray, radiance)| (ray, ShadowRay { slot, radiance }));
+    let shadow = shadow.map(|(ray, offer)| (ray, ShadowRay { slot, offer }));
     let ray = match alone {
         Some(Alone(ray)) => ray,
         None if GUIDED && vertex.ways > 1 => {

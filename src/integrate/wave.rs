@@ -255,10 +255,15 @@ impl Wave {
             .rays
             .occluded_batch(&self.shadow_rays, &mut self.blocked);
         self.rays_traced += self.shadow_rays.len() as u64;
-        for (shadow, blocked) in self.shadows.iter().zip(&self.blocked) {
-            if !blocked {
-                self.outcomes[shadow.slot as usize].radiance += shadow.radiance;
-                witness.lit(shadow.slot, shadow.radiance);
+        let mut blocked = self.blocked.iter();
+        self.shadows.retain(|_| blocked.next() == Some(&false));
+        for shadows in self.shadows.chunks(AHEAD) {
+            let offers = shadows.iter().map(|shadow| &shadow.offer.incoming);
+            scene.lights.touch(offers);
+            for ShadowRay { slot, offer } in shadows {
+                let radiance = offer.radiance(&scene.lights);
+                self.outcomes[*slot as usize].radiance += radiance;
+                witness.lit(*slot, radiance);
             }
         }
     }

@@ -4,7 +4,8 @@
 //! density waits for several places of it. So cells are put together to square blocks, few enough for a
 //! table that fits the second-level cache. Inside a block the density is linear in the polar angle (it
 //! follows the solid angle) and takes no look at the texels. Blocks where that would be noisy, where a
-//! sun or a window stands out, are *fine*: they keep a table of their cells.
+//! sun or a window stands out, are *fine*: they are divided into their cells. Coarse blocks and the cells of fine
+//! ones, row by row, are the *parts* that one search chooses among.
 //!
 //! Which are fine: the estimator `radiance / pdf` of what the map sends has the relative variance
 //! `sum_b P_b v_b` from inside its blocks, with `P_b` the probability of block b and `v_b` the relative
@@ -12,15 +13,13 @@
 //! [`VARIANCE`]. In a small map each cell is a block, and all are fine.
 
 use crate::math::Vec2;
-use crate::math::distribution::{Discrete, Grid, sample_linear, widen};
+use crate::math::distribution::{Discrete, sample_linear, widen};
 
-/// Most blocks along either axis: 256 by 128 of them have 128 KB of cumulative weights.
+/// Most blocks along either axis: 256 by 128 of them have 128 KB of cumulative weights, and as much to tell which
+/// block a part belongs to and which parts a block has.
 const BLOCKS: usize = 256;
 /// Relative variance that the coarse blocks may add. Cosine, BSDF and visibility add about 1.
 const VARIANCE: f64 = 0.1;
-/// Not a fine block.
-const COARSE: u32 = u32::MAX;
-
 /// Cells of a map, in blocks.
 #[derive(Debug)]
 pub(super) struct Blocks {
@@ -28,12 +27,13 @@ pub(super) struct Blocks {
     size: [usize; 2],
     /// Binary logarithm of the number of cells along the side of a block.
     log_side: u32,
-    grid: Grid,
     /// Blocks along a row.
     columns: usize,
-    /// Index into `fine` by block, or [`COARSE`].
-    index: Vec<u32>,
-    fine: Vec<Discrete>,
+    parts: Discrete,
+    /// The block that each part is, or lies in.
+    block: Vec<u32>,
+    /// The first part of each block, and the end of the last.
+    first: Vec<u32>,
     /// Sine of the polar angle of each row of texels.
     row_weight: Vec<f32>,
 }
@@ -71,34 +71,31 @@ impl Blocks {
             .iter()
             .map(|place| place.cells().map(|cell| nodes.cell(cell)).sum())
             .collect();
-        let grid = Grid::new(count[0], count[1], |y, row| {
-            row.copy_from_slice(&weights[y * count[0]..][..count[0]]);
-        })?;
         let variances = places.iter().zip(&weights);
         let variances: Vec<f64> = variances
             .map(|(place, weight)| weight * nodes.relative_variance(place))
             .collect();
-        let mut index = vec![COARSE; places.len()];
-        let mut fine = Vec::new();
-        let noisy = if side == 1 {
-            Vec::new()
-        } else {
-            largest(&variances, VARIANCE * weights.iter().sum::<f64>())
-        };
-        for block in noisy {
-            let cells: Vec<f64> = places[block].cells().map(|c| nodes.cell(c)).collect();
-            if let Some(cells) = Discrete::new(&cells) {
-                index[block] = fine.len() as u32;
-                fine.push(cells);
+        let mut fine = vec![false; places.len()];
+        for block in largest(&variances, VARIANCE * weights.iter().sum::<f64>()) {
+            fine[block] = true;
+        }
+        let (mut parts, mut block, mut first) = (Vec::new(), Vec::new(), vec![0]);
+        for (i, place) in places.iter().enumerate() {
+            if fine[i] {
+                parts.extend(place.cells().map(|cell| nodes.cell(cell)));
+            } else {
+                parts.push(weights[i]);
             }
+            block.resize(parts.len(), i as u32);
+            first.push(parts.len() as u32);
         }
         Some(Self {
             size,
             log_side: side.trailing_zeros(),
-            grid,
             columns: count[0],
-            index,
-            fine,
+            parts: Discrete::new(&parts)?,
+            block,
+            first,
             row_weight,
         })
     }
@@ -107,36 +104,26 @@ impl Blocks {
     #[inline]
     pub fn sample(&self, u: Vec2) -> Drawn {
         let salt = u64::from(u.x.to_bits()) << 32 | u64::from(u.y.to_bits());
-        let (column, row) = self.grid.sample(widen(u.x, salt), widen(u.y, !salt));
-        let block = [column.index, row.index];
-        let place = Place::new(self.size, 1 << self.log_side, block);
-        let probability = column.probability * row.probability;
-        if self.log_side == 0 {
+        let part = self.parts.sample(widen(u.x, salt));
+        let block = self.block[part.index] as usize;
+        let place = self.place([block % self.columns, block / self.columns]);
+        if let Some(first) = self.cells_of(block, &place) {
             return Drawn {
-                cell: block,
-                at: Vec2::new(column.rest, row.rest),
-                density: probability * self.cells(),
-                fine: true,
-            };
-        }
-        if let Some(cells) = self.fine(block) {
-            let choice = cells.sample(widen(column.rest, salt));
-            return Drawn {
-                cell: place.cell(choice.index),
-                at: Vec2::new(choice.rest, row.rest),
-                density: probability * choice.probability * self.cells(),
+                cell: place.cell(part.index - first),
+                at: Vec2::new(part.rest, u.y),
+                density: part.probability * self.cells(),
                 fine: true,
             };
         }
         let [upper, lower] = self.edges(&place);
-        let t = sample_linear(upper, lower, row.rest);
-        let (x, s) = split(column.rest, place.size[0]);
+        let t = sample_linear(upper, lower, u.y);
+        let (x, s) = split(part.rest, place.size[0]);
         let (y, t) = split(t, place.size[1]);
         let (cell, at) = ([place.first[0] + x, place.first[1] + y], Vec2::new(s, t));
         Drawn {
             cell,
             at,
-            density: self.coarse(&place, probability, y as f32 + t),
+            density: self.coarse(&place, part.probability, y as f32 + t),
             fine: false,
         }
     }
@@ -144,30 +131,34 @@ impl Blocks {
     /// Density over the unit square at a place of a cell, and whether it is the mean over the cell.
     #[inline]
     pub fn density(&self, cell: [usize; 2], at: Vec2) -> (f32, bool) {
-        let block = cell.map(|c| c >> self.log_side);
-        let probability = self.grid.probability(block[0], block[1]);
-        if self.log_side == 0 {
+        let [x, y] = cell.map(|c| c >> self.log_side);
+        let place = self.place([x, y]);
+        let block = y * self.columns + x;
+        if let Some(first) = self.cells_of(block, &place) {
+            let probability = self.parts.probability(first + place.index(cell));
             return (probability * self.cells(), true);
         }
-        let place = Place::new(self.size, 1 << self.log_side, block);
-        if let Some(cells) = self.fine(block) {
-            let choice = cells.probability(place.index(cell));
-            return (probability * choice * self.cells(), true);
-        }
+        let probability = self.parts.probability(self.first[block] as usize);
         let t = (cell[1] - place.first[1]) as f32 + at.y;
         (self.coarse(&place, probability, t), false)
+    }
+
+    #[inline]
+    fn place(&self, block: [usize; 2]) -> Place {
+        Place::new(self.size, 1 << self.log_side, block)
+    }
+
+    /// The first of a fine block's parts. (A block of one cell is fine.)
+    #[inline]
+    fn cells_of(&self, block: usize, place: &Place) -> Option<usize> {
+        let [first, end] = [self.first[block], self.first[block + 1]];
+        ((end - first) as usize == place.size[0] * place.size[1]).then_some(first as usize)
     }
 
     /// Sine of the polar angle of a row of texels.
     #[inline]
     pub fn row_weight(&self, y: usize) -> f32 {
         self.row_weight[y]
-    }
-
-    #[inline]
-    fn fine(&self, block: [usize; 2]) -> Option<&Discrete> {
-        let index = self.index[block[1] * self.columns + block[0]];
-        (index != COARSE).then(|| &self.fine[index as usize])
     }
 
     fn cells(&self) -> f32 {
@@ -192,8 +183,8 @@ impl Blocks {
 
     /// Bytes held.
     pub fn memory_bytes(&self) -> usize {
-        let fine: usize = self.fine.iter().map(Discrete::memory_bytes).sum();
-        self.grid.memory_bytes() + self.index.len() * 4 + self.row_weight.len() * 4 + fine
+        let numbers = self.block.len() + self.first.len() + self.row_weight.len();
+        self.parts.memory_bytes() + 4 * numbers
     }
 }
 
@@ -340,11 +331,9 @@ mod tests {
         let sun = blocks.density([2048 / 3, 1024 / 4], Vec2::ZERO);
         let sky = blocks.density([0, 1024 / 4], Vec2::ZERO);
         assert!(sun.1 && !sky.1);
-        assert!(
-            (1..=16).contains(&blocks.fine.len()),
-            "{}",
-            blocks.fine.len()
-        );
+        let widths = blocks.first.windows(2).map(|ends| ends[1] - ends[0]);
+        let fine = widths.filter(|&parts| parts > 1).count();
+        assert!((1..=16).contains(&fine), "{fine}");
         assert!(blocks.memory_bytes() < 512 << 10);
     }
 

@@ -1,6 +1,6 @@
 //! Light from outside the scene: the same all around, from an image, from a sun's disk, or parallel.
 
-use super::latlong::LatLong;
+use super::latlong::{LatLong, Patch};
 use crate::math::rgb::selection_weight;
 use crate::math::warp::{
     cosine_hemisphere, cosine_hemisphere_pdf, uniform_cone, uniform_cone_pdf, uniform_sphere,
@@ -23,6 +23,14 @@ pub(super) enum Distant {
         to_light: Vec3,
         irradiance: Rgb,
     },
+}
+
+/// What comes along a direction that was drawn.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Drawn {
+    Known(Rgb),
+    /// What the map has there.
+    Map(Patch),
 }
 
 /// A disk of constant radiance in the sky.
@@ -86,26 +94,40 @@ impl Distant {
     /// The radiance is that of the place that was drawn: looking the direction up again would miss the
     /// edge of a sun now and then, by its rounding.
     #[inline]
-    pub fn sample(&self, n: Vec3, u: Vec2) -> Option<(Vec3, Rgb, f32)> {
+    pub fn sample(&self, n: Vec3, u: Vec2) -> Option<(Vec3, Drawn, f32)> {
+        let known = |(dir, radiance, pdf)| Some((dir, Drawn::Known(radiance), pdf));
         match self {
             Distant::Constant(radiance) if n == Vec3::ZERO => {
-                Some((uniform_sphere(u), *radiance, 0.25 * FRAC_1_PI))
+                known((uniform_sphere(u), *radiance, 0.25 * FRAC_1_PI))
             }
             Distant::Constant(radiance) => {
                 let local = cosine_hemisphere(u);
                 let dir = Frame::new(n).to_world(local);
-                Some((dir, *radiance, cosine_hemisphere_pdf(n.dot(dir))))
+                known((dir, *radiance, cosine_hemisphere_pdf(n.dot(dir))))
             }
-            Distant::Map(map) => map.sample(n, u),
+            Distant::Map(map) => {
+                let (dir, patch, pdf) = map.sample(n, u)?;
+                Some((dir, Drawn::Map(patch), pdf))
+            }
             Distant::Sun(sun) => {
                 let local = uniform_cone(u, sun.one_minus_cos);
                 let dir = Frame::new(sun.center).to_world(local);
-                Some((dir, sun.radiance, uniform_cone_pdf(sun.one_minus_cos)))
+                known((dir, sun.radiance, uniform_cone_pdf(sun.one_minus_cos)))
             }
             Distant::Parallel {
                 to_light,
                 irradiance,
-            } => Some((*to_light, *irradiance, 0.0)),
+            } => known((*to_light, *irradiance, 0.0)),
+        }
+    }
+
+    /// Radiance along a direction that was drawn from this light.
+    #[inline]
+    pub fn radiance_of(&self, drawn: &Drawn) -> Rgb {
+        match (drawn, self) {
+            (Drawn::Known(radiance), _) => *radiance,
+            (Drawn::Map(patch), Distant::Map(map)) => map.radiance_of(patch),
+            (Drawn::Map(_), _) => Rgb::ZERO,
         }
     }
 

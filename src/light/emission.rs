@@ -173,7 +173,8 @@ impl Sources {
         at: Vec2,
         towards: Vec2,
     ) -> Option<Emission> {
-        let (to_light, radiance, pdf) = light.sample(Vec3::ZERO, towards)?;
+        let (to_light, drawn, pdf) = light.sample(Vec3::ZERO, towards)?;
+        let radiance = light.radiance_of(&drawn);
         let per_area = if light.is_delta() {
             radiance
         } else {

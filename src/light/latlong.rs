@@ -29,11 +29,11 @@ pub(super) struct LatLong {
 }
 
 /// The four texels around a direction and where it lies between them.
-struct Patch {
-    x: usize,
-    y: usize,
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Patch {
+    x: u32,
+    y: u32,
     at: Vec2,
-    sin_theta: f32,
 }
 
 impl LatLong {
@@ -56,6 +56,7 @@ impl LatLong {
             selection_weight(pixels[y * width + x])
         })?;
         let integral = integrate(&pixels, size, theta_max);
+        let to_world = turn(to_world);
         Some(Self {
             width,
             height,
@@ -63,7 +64,7 @@ impl LatLong {
             cells,
             theta_max,
             to_world,
-            to_local: to_world.inverse(),
+            to_local: to_world.transpose(),
             integral,
         })
     }
@@ -77,36 +78,49 @@ impl LatLong {
     #[inline]
     pub fn radiance(&self, dir: Vec3) -> Rgb {
         self.patch(dir)
-            .map_or(Rgb::ZERO, |p| bilinear(self.texels(&p), p.at))
+            .map_or(Rgb::ZERO, |(patch, _)| self.radiance_of(&patch))
+    }
+
+    /// Radiance at a place of the map.
+    #[inline]
+    pub fn radiance_of(&self, patch: &Patch) -> Rgb {
+        bilinear(self.texels(patch), patch.at)
+    }
+
+    /// Reads a word of what [`LatLong::radiance_of`] will read.
+    #[inline]
+    pub fn touch(&self, patch: &Patch) -> u32 {
+        let upper = patch.y as usize * self.width + patch.x as usize;
+        self.pixels[upper].x.to_bits() ^ self.pixels[upper + self.width].x.to_bits()
     }
 
     /// Radiance from the world direction `dir` and the density of [`LatLong::sample`] there.
     #[inline]
     pub fn radiance_pdf(&self, dir: Vec3) -> (Rgb, f32) {
-        let Some(patch) = self.patch(dir) else {
+        let Some((patch, sin_theta)) = self.patch(dir) else {
             return (Rgb::ZERO, 0.0);
         };
         let texels = self.texels(&patch);
-        let (mean, fine) = self.cells.density([patch.x, patch.y], patch.at);
+        let cell = [patch.x as usize, patch.y as usize];
+        let (mean, fine) = self.cells.density(cell, patch.at);
         let density = if fine {
             mean * Self::relative(&patch, self.weights(&patch, &texels))
         } else {
             mean
         };
-        let pdf = self.per_solid_angle(density, patch.sin_theta);
+        let pdf = self.per_solid_angle(density, sin_theta);
         (bilinear(texels, patch.at), pdf)
     }
 
-    /// A world direction, the radiance from there, and the density. Directions below the horizon of `n` (zero:
-    /// there is none) are drawn, but come to nothing.
+    /// A world direction, the place of the map that its radiance comes from, and the density. Directions below the
+    /// horizon of `n` (zero: there is none) are drawn, but come to nothing.
     #[inline]
-    pub fn sample(&self, n: Vec3, u: Vec2) -> Option<(Vec3, Rgb, f32)> {
+    pub fn sample(&self, n: Vec3, u: Vec2) -> Option<(Vec3, Patch, f32)> {
         let drawn = self.cells.sample(u);
         let mut patch = Patch {
-            x: drawn.cell[0],
-            y: drawn.cell[1],
+            x: drawn.cell[0] as u32,
+            y: drawn.cell[1] as u32,
             at: drawn.at,
-            sin_theta: 0.0,
         };
         let mut density = drawn.density;
         if drawn.fine {
@@ -122,19 +136,15 @@ impl LatLong {
         let (sin_phi, cos_phi) = phi.sin_cos();
         let pdf = self.per_solid_angle(density, sin_theta);
         let dir = Vec3::new(sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta);
-        let dir = (self.to_world * dir).normalize();
+        let dir = self.to_world * dir;
         let above = n == Vec3::ZERO || dir.dot(n) > 0.0;
-        // Not earlier: the texels of a large map are far from the processor, and half of the draws end here.
-        if !above || pdf.is_nan() || pdf <= 0.0 {
-            return None;
-        }
-        Some((dir, bilinear(self.texels(&patch), patch.at), pdf))
+        (above && pdf > 0.0).then_some((dir, patch, pdf))
     }
 
-    /// The patch a world direction lies in; `None` beyond the map's last row.
+    /// The patch a world direction lies in, and the sine of its polar angle; `None` beyond the map's last row.
     #[inline]
-    fn patch(&self, dir: Vec3) -> Option<Patch> {
-        let d = (self.to_local * dir).normalize_or_zero();
+    fn patch(&self, dir: Vec3) -> Option<(Patch, f32)> {
+        let d = self.to_local * dir;
         let sin_theta = Vec2::new(d.x, d.z).length();
         let theta = angle(sin_theta, d.y);
         let v = theta / self.theta_max * (self.height - 1) as f32;
@@ -148,25 +158,27 @@ impl LatLong {
         let x = (u as usize).min(self.width - 1);
         let y = (v as usize).min(self.height - 2);
         let at = Vec2::new(u - x as f32, v - y as f32);
-        Some(Patch {
-            x,
-            y,
+        let patch = Patch {
+            x: x as u32,
+            y: y as u32,
             at: at.clamp(Vec2::ZERO, Vec2::ONE),
-            sin_theta,
-        })
+        };
+        Some((patch, sin_theta))
     }
 
     #[inline]
     fn texels(&self, p: &Patch) -> [Rgb; 4] {
-        let right = if p.x + 1 == self.width { 0 } else { p.x + 1 };
-        let (upper, lower) = (p.y * self.width, (p.y + 1) * self.width);
-        [upper + p.x, upper + right, lower + p.x, lower + right].map(|i| self.pixels[i])
+        let (x, y) = (p.x as usize, p.y as usize);
+        let right = if x + 1 == self.width { 0 } else { x + 1 };
+        let (upper, lower) = (y * self.width, (y + 1) * self.width);
+        [upper + x, upper + right, lower + x, lower + right].map(|i| self.pixels[i])
     }
 
     /// Sampling weights of the four texels.
     #[inline]
     fn weights(&self, p: &Patch, texels: &[Rgb; 4]) -> [f32; 4] {
-        let (upper, lower) = (self.cells.row_weight(p.y), self.cells.row_weight(p.y + 1));
+        let y = p.y as usize;
+        let (upper, lower) = (self.cells.row_weight(y), self.cells.row_weight(y + 1));
         [
             selection_weight(texels[0]) * upper,
             selection_weight(texels[1]) * upper,
@@ -199,6 +211,17 @@ impl LatLong {
     pub fn memory_bytes(&self) -> usize {
         self.pixels.len() * size_of::<Rgb>() + self.cells.memory_bytes()
     }
+}
+
+/// What a transform does to directions, if it neither stretches nor shears them: it turns them, and may mirror them.
+fn turn(to_world: Mat3) -> Mat3 {
+    let y = to_world.y_axis.normalize_or(Vec3::Y);
+    let across = y.any_orthonormal_vector();
+    let z = to_world.z_axis.normalize_or(across);
+    let z = z.reject_from_normalized(y).normalize_or(across);
+    let x = y.cross(z);
+    let mirrored = x.dot(to_world.x_axis) < 0.0;
+    Mat3::from_cols(if mirrored { -x } else { x }, y, z)
 }
 
 /// `y.atan2(x)` to 3e-7, several times faster than the library's: a hundredth of a texel of a map 100 000
@@ -260,6 +283,21 @@ fn integrate(pixels: &[Rgb], [width, height]: [usize; 2], theta_max: f32) -> Rgb
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_transform_turns_and_mirrors_but_does_not_stretch() {
+        let rotation = Mat3::from_rotation_y(0.7) * Mat3::from_rotation_x(-1.9);
+        for mirror in [1.0, -1.0] {
+            let exact = rotation * Mat3::from_diagonal(Vec3::new(mirror, 1.0, 1.0));
+            for scale in [1e-15, 1.0, 1e15] {
+                assert!(turn(exact * scale).abs_diff_eq(exact, 1e-6), "{scale}");
+            }
+        }
+        for odd in [Mat3::ZERO, Mat3::from_cols(Vec3::X, Vec3::Y, Vec3::Y)] {
+            let turned = turn(odd);
+            assert!((turned * turned.transpose()).abs_diff_eq(Mat3::IDENTITY, 1e-6));
+        }
+    }
 
     #[test]
     fn angles_are_those_of_the_library() {

@@ -39,7 +39,7 @@ pub use description::{Emitter, EmitterShape, SunSky};
 pub use emission::Emission;
 
 use area::{AreaEmitter, DARK};
-use distant::Distant;
+use distant::{Distant, Drawn};
 use leaf::Leaf;
 use tree::LightTree;
 
@@ -53,14 +53,33 @@ pub struct LightSample {
     pub dir: Vec3,
     /// Distance to the sampled light point; infinite for environments and directional lights.
     pub distance: f32,
-    /// Incident radiance along `dir` if nothing is in between. For delta lights the incident
-    /// irradiance on a surface facing them (intensity over squared distance).
-    pub radiance: Rgb,
+    /// What comes along `dir` if nothing is in between: [`Lights::radiance`] tells.
+    pub incoming: Incoming,
     /// Density in solid angle, including the probability of choosing this emitter; for delta lights
     /// that probability alone.
     pub pdf: f32,
     /// The light has no extent (point, spot, directional): no BSDF sample can meet it.
     pub delta: bool,
+}
+
+/// Light that a sample would bring. Most samples are blocked, and the texels of a map are far from the processor: they
+/// are looked up for those that are not.
+#[derive(Clone, Copy, Debug)]
+pub struct Incoming(Source);
+
+#[derive(Clone, Copy, Debug)]
+enum Source {
+    /// Known.
+    Here(Rgb),
+    /// By number in [`Lights::distant`].
+    Distant(u32, Drawn),
+}
+
+impl Incoming {
+    #[inline]
+    fn known(radiance: Rgb) -> Self {
+        Self(Source::Here(radiance))
+    }
 }
 
 /// All emitters of a scene, ready to sample.
@@ -108,6 +127,31 @@ impl Lights {
         (above && sample.pdf > 0.0).then_some(sample)
     }
 
+    /// Incident radiance along a sample's direction if nothing is in between. For delta lights the incident
+    /// irradiance on a surface facing them (intensity over squared distance).
+    #[inline]
+    pub fn radiance(&self, incoming: &Incoming) -> Rgb {
+        match &incoming.0 {
+            Source::Here(radiance) => *radiance,
+            Source::Distant(number, drawn) => self.distant[*number as usize].1.radiance_of(drawn),
+        }
+    }
+
+    /// Reads a word of everything that [`Lights::radiance`] will read for these samples. Called in advance for many in a
+    /// row, so that the processor waits for all of them at once.
+    #[inline]
+    pub fn touch<'i>(&self, incoming: impl Iterator<Item = &'i Incoming>) {
+        let mut sum = 0;
+        for i in incoming {
+            if let Source::Distant(number, Drawn::Map(patch)) = &i.0 {
+                if let Distant::Map(map) = &self.distant[*number as usize].1 {
+                    sum ^= map.touch(patch);
+                }
+            }
+        }
+        std::hint::black_box(sum);
+    }
+
     /// Probability that [`Lights::sample`] draws from the distant lights.
     #[inline]
     fn distant_share(&self, p: Vec3, n: Vec3) -> f32 {
@@ -152,7 +196,7 @@ impl Lights {
             return Some(LightSample {
                 dir: incident.dir,
                 distance: incident.distance,
-                radiance: area.radiance_at(q, -incident.dir, incident.place),
+                incoming: Incoming::known(area.radiance_at(q, -incident.dir, incident.place)),
                 pdf: incident.pdf * probability,
                 delta: false,
             });
@@ -161,7 +205,7 @@ impl Lights {
         Some(LightSample {
             dir: incident.dir,
             distance: incident.distance,
-            radiance: incident.irradiance,
+            incoming: Incoming::known(incident.irradiance),
             pdf: probability,
             delta: true,
         })
@@ -185,14 +229,16 @@ impl Lights {
         }
         let chosen = chosen?;
         let light = &self.distant[chosen].1;
-        let (dir, mut radiance, pdf) = light.sample(n, u)?;
+        let (dir, drawn, pdf) = light.sample(n, u)?;
         let delta = light.is_delta();
         let mut pdf = if delta {
             weight / total
         } else {
             weight / total * pdf
         };
-        if !delta {
+        let mut incoming = Incoming(Source::Distant(chosen as u32, drawn));
+        if !delta && self.distant.len() > 1 {
+            let mut radiance = light.radiance_of(&drawn);
             // A ray along `dir` meets all of them, and any might have drawn it.
             for (i, (_, other)) in self.distant.iter().enumerate() {
                 if i != chosen && !other.is_delta() {
@@ -201,12 +247,13 @@ impl Lights {
                     pdf += other.importance(n) / total * density;
                 }
             }
+            incoming = Incoming::known(radiance);
         }
         pdf *= share;
         (pdf > 0.0 && pdf.is_finite()).then_some(LightSample {
             dir,
             distance: f32::INFINITY,
-            radiance,
+            incoming,
             pdf,
             delta,
         })
@@ -326,7 +373,8 @@ impl Local {
         }
         // 24 bits are too few to tell millions of lights apart: the others' hash extends them.
         let salt = u64::from(u.x.to_bits()) << 32 | u64::from(u.y.to_bits());
-        let wide = f64::from(crate::math::distribution::widen(pick, salt));
-        self.tree.sample(p, n, wide * (1.0 / 4_294_967_296.0))
+        let wide = crate::math::distribution::widen(pick, salt) >> 11;
+        self.tree
+            .sample(p, n, wide as f64 * (1.0 / (1u64 << 53) as f64))
     }
 }

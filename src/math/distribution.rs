@@ -1,4 +1,4 @@
-//! Choosing one of many by weight, in one dimension and in two, with the exact probability of each choice.
+//! Choosing one of many by weight, with the exact probability of each choice.
 //!
 //! Cumulative weights are fixed-point numbers of 32 bits, not floats: their resolution is the same
 //! everywhere (a float close to 1 keeps no more than 24 bits, which a sky beside a sun needs), and the
@@ -12,15 +12,17 @@ use super::rng::{BELOW_ONE, hash64};
 
 /// The whole of the cumulative weights: one less than 2^32, so that an end that must never be reached fits 32 bits.
 const WHOLE: u64 = u32::MAX as u64;
+/// One part of the whole.
+const UNIT: f32 = 1.0 / WHOLE as f32;
 /// Choices for each entry of a guide table.
 const PER_GUIDE: usize = 4;
 
-/// A number in `[0, 1)` with 32 bits, from one with 24 and a hash: choosing among millions, and using what
-/// is left of the number for a place inside the choice, needs more bits than an `f32` brings.
+/// A number in `[0, 1)` with 64 bits, in units of 2^-64, from one with 24 and a hash: choosing among millions, and using
+/// what is left of the number for a place inside the choice, needs more bits than an `f32` brings.
 #[inline]
-pub fn widen(u: f32, salt: u64) -> u32 {
-    let upper = ((u.clamp(0.0, 1.0) * 16_777_216.0) as u32).min(0x00ff_ffff);
-    (upper << 8) | (hash64(salt ^ (u64::from(upper) << 32)) as u32 >> 24)
+pub fn widen(u: f32, salt: u64) -> u64 {
+    let upper = u64::from(((u.clamp(0.0, 1.0) * 16_777_216.0) as u32).min(0x00ff_ffff)) << 40;
+    upper | (hash64(salt ^ upper) >> 24)
 }
 
 /// What a draw chose.
@@ -82,8 +84,8 @@ fn fill_guide(starts: &[u32], guide: &mut [u32]) {
 
 /// Finds the choice `u` falls into. Returns it with its probability and the rest of `u`.
 #[inline]
-fn choose(starts: &[u32], guide: &[u32], u: u32) -> Choice {
-    let place = u64::from(u) * WHOLE;
+fn choose(starts: &[u32], guide: &[u32], u: u64) -> Choice {
+    let place = ((u128::from(u) * u128::from(WHOLE)) >> 32) as u64;
     let at = (place >> 32) as u32;
     let part = (u64::from(at) >> (32 - guide.len().trailing_zeros())) as usize;
     let first = guide[part] as usize;
@@ -94,11 +96,12 @@ fn choose(starts: &[u32], guide: &[u32], u: u32) -> Choice {
     // because the next one starts where they do.
     let index = first + starts[first + 1..=last].partition_point(|&s| s <= at);
     let start = u64::from(starts[index]);
-    let units = end(starts, index) - start;
-    let rest = ((place - (start << 32)) as f64 / (units as f64 * 4_294_967_296.0)) as f32;
+    let units = (end(starts, index) - start) as f32;
+    // Not a bit is lost that an f32 has; signed numbers are converted sooner.
+    let rest = ((place - (start << 32)) >> 8) as i64 as f32 * (1.0 / 16_777_216.0) / units;
     Choice {
         index,
-        probability: (units as f64 / WHOLE as f64) as f32,
+        probability: units * UNIT,
         rest: rest.min(BELOW_ONE),
     }
 }
@@ -106,11 +109,6 @@ fn choose(starts: &[u32], guide: &[u32], u: u32) -> Choice {
 #[inline]
 fn end(starts: &[u32], index: usize) -> u64 {
     starts.get(index + 1).map_or(WHOLE, |&s| u64::from(s))
-}
-
-#[inline]
-fn probability(starts: &[u32], index: usize) -> f32 {
-    ((end(starts, index) - u64::from(starts[index])) as f64 / WHOLE as f64) as f32
 }
 
 /// A choice of one of many.
@@ -132,88 +130,21 @@ impl Discrete {
         Some(Self { starts, guide })
     }
 
-    /// The choice that `u` (all 32-bit numbers equally likely) makes.
+    /// The choice that `u` (all 64-bit numbers equally likely) makes.
     #[inline]
-    pub fn sample(&self, u: u32) -> Choice {
+    pub fn sample(&self, u: u64) -> Choice {
         choose(&self.starts, &self.guide, u)
     }
 
     /// Probability of a choice.
     #[inline]
     pub fn probability(&self, index: usize) -> f32 {
-        probability(&self.starts, index)
+        (end(&self.starts, index) - u64::from(self.starts[index])) as f32 * UNIT
     }
 
     /// Bytes held.
     pub fn memory_bytes(&self) -> usize {
         (self.starts.len() + self.guide.len()) * 4
-    }
-}
-
-/// A choice of one cell of a grid: a row, then a cell in it.
-#[derive(Clone, Debug)]
-pub struct Grid {
-    width: usize,
-    rows: Discrete,
-    starts: Vec<u32>,
-    guide: Vec<u32>,
-}
-
-impl Grid {
-    /// A grid of `height` rows of `width` cells whose weights (finite, not negative) `row` writes.
-    /// `None` if all are 0.
-    pub fn new(
-        width: usize,
-        height: usize,
-        mut row: impl FnMut(usize, &mut [f64]),
-    ) -> Option<Self> {
-        let guides = guide_len(width);
-        let mut starts = vec![0; width * height];
-        let mut guide = vec![0; guides * height];
-        let mut weights = vec![0.0; width];
-        let mut sums = vec![0.0; height];
-        for y in 0..height {
-            row(y, &mut weights);
-            let starts = &mut starts[y * width..][..width];
-            if accumulate(weights.iter().copied(), starts) {
-                sums[y] = weights.iter().sum();
-                fill_guide(starts, &mut guide[y * guides..][..guides]);
-            }
-        }
-        Some(Self {
-            width,
-            rows: Discrete::new(&sums)?,
-            starts,
-            guide,
-        })
-    }
-
-    /// Column and row that two uniform numbers choose.
-    #[inline]
-    pub fn sample(&self, u: u32, v: u32) -> (Choice, Choice) {
-        let row = self.rows.sample(v);
-        let guides = self.guide.len() / (self.starts.len() / self.width);
-        let column = choose(
-            &self.starts[row.index * self.width..][..self.width],
-            &self.guide[row.index * guides..][..guides],
-            u,
-        );
-        (column, row)
-    }
-
-    /// Probability of a cell.
-    #[inline]
-    pub fn probability(&self, x: usize, y: usize) -> f32 {
-        let rows = self.rows.probability(y);
-        if rows == 0.0 {
-            return 0.0;
-        }
-        rows * probability(&self.starts[y * self.width..][..self.width], x)
-    }
-
-    /// Bytes held.
-    pub fn memory_bytes(&self) -> usize {
-        (self.starts.len() + self.guide.len()) * 4 + self.rows.memory_bytes()
     }
 }
 
@@ -232,6 +163,10 @@ mod tests {
     use super::*;
     use crate::math::Pcg32;
 
+    fn wide(rng: &mut Pcg32) -> u64 {
+        u64::from(rng.next_u32()) << 32 | u64::from(rng.next_u32())
+    }
+
     #[test]
     fn choices_come_as_often_as_their_probability_says() {
         let weights = [0.0, 3.0, 0.0, 0.0, 1.0, 1e-12, 6.0, 0.0];
@@ -241,7 +176,7 @@ mod tests {
         let mut rng = Pcg32::new(3, 1);
         let (n, mut counts, mut rest) = (1_000_000, [0u32; 8], 0.0f64);
         for _ in 0..n {
-            let c = d.sample(rng.next_u32());
+            let c = d.sample(wide(&mut rng));
             assert_eq!(c.probability, d.probability(c.index));
             counts[c.index] += 1;
             rest += f64::from(c.rest);
@@ -266,7 +201,7 @@ mod tests {
                 })
                 .collect();
             let d = Discrete::new(&weights).unwrap();
-            for u in (0..4000).map(|_| rng.next_u32()).chain([0, u32::MAX]) {
+            for u in (0..4000).map(|_| wide(&mut rng)).chain([0, u64::MAX]) {
                 let c = d.sample(u);
                 assert!(weights[c.index] > 0.0 && c.probability > 0.0);
                 assert!((0.0..1.0).contains(&c.rest));

@@ -71,7 +71,7 @@ fn ten_thousand_triangles_add_up() {
         let (mean, variance) = estimate(draws, |rng| {
             let u = [(); 3].map(|()| rng.next_f32());
             s.lights.sample(p, n, u).map_or(0.0, |l| {
-                f64::from(luminance(l.radiance) * l.dir.dot(n).max(0.0) / l.pdf)
+                f64::from(luminance(s.lights.radiance(&l.incoming)) * l.dir.dot(n).max(0.0) / l.pdf)
             })
         });
         let error = mean * (variance / f64::from(draws)).sqrt();
@@ -92,7 +92,7 @@ fn ten_thousand_triangles_add_up() {
         let [uniform, power] = [equal, power].map(|weights| {
             let choice = Discrete::new(&weights).unwrap();
             let one = |rng: &mut Pcg32| {
-                let c = choice.sample(rng.next_u32());
+                let c = choice.sample(u64::from(rng.next_u32()) << 32);
                 let u = Vec2::new(rng.next_f32(), rng.next_f32());
                 contribution(&s, c.index, p, n, u) / f64::from(c.probability)
             };
