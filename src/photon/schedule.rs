@@ -9,7 +9,7 @@
 //! * the next one would cost more than its share of the render: as many photons and landings as the image
 //!   has samples (both cost about an eighth of a sample), or a share of the time that is allowed;
 //! * or the last one has taught next to nothing: what refining gained by it is small beside what remains, and
-//!   there were enough photons to tell.
+//!   there were enough photons and landings to tell.
 //!
 //! Counted in photons and landings, the decision is the same on every machine and for any number of threads;
 //! only a limit of time makes it differ, as it makes the render itself.
@@ -28,6 +28,10 @@ const LITTLE: f64 = 0.02;
 /// Fewer photons cannot tell that nothing is left to learn: of a caustic's they may have met none. (A glass ball
 /// and a ring under a small lamp: 43 cells after the first batch.)
 const TELLING: u64 = 15 * FIRST;
+/// Nor can fewer landings: where one photon in a hundred lands, a batch fills no cell so far that dividing it would gain
+/// anything. (A pool under a small sun, two of four seeds: 0.5 million photons and 5000 landings instead of 2 million and
+/// 21 000; relMSE of 64 samples 0.24 and 0.21 instead of 0.09.)
+const TELLING_LANDINGS: u64 = 1 << 15;
 /// Photons after which all trees are large enough.
 const MOST: u64 = 1 << 25;
 
@@ -132,7 +136,8 @@ impl Schedule {
         let too_long = time.is_some_and(|t| {
             2.0 * experience.elapsed.as_secs_f64() > SHARE_OF_TIME * t.as_secs_f64()
         });
-        let learned = experience.gain < LITTLE && self.next >= TELLING;
+        let telling = self.next >= TELLING && self.landings >= TELLING_LANDINGS;
+        let learned = telling && experience.gain < LITTLE;
         let enough = learned || 2 * self.next > MOST;
         self.ended = too_much || too_long || enough;
     }
@@ -232,6 +237,16 @@ mod tests {
         // Nothing left to learn, or no end of learning.
         assert_eq!(of(u64::MAX, 1, 0.001), TELLING);
         assert_eq!(of(u64::MAX, 0, 1.0), MOST - FIRST);
+        // Few landings do not tell that nothing is left.
+        let budget = Budget::AsNeeded {
+            samples: u64::MAX,
+            time: None,
+        };
+        let seldom = photons(budget, |batch| Experience {
+            landings: (batch.end - batch.start) / 64,
+            ..lands(0, 0.001)(batch)
+        });
+        assert_eq!(seldom, 255 * FIRST);
     }
 
     #[test]
