@@ -54,6 +54,8 @@ pub struct GuideArgs {
 
 /// How many paths share what they find, unless told otherwise.
 const REUSE: u32 = 32;
+/// Camera paths that teach a field, unless told otherwise.
+pub const PATHS: u64 = 2_000_000;
 
 /// What Russian roulette goes by where a field guides.
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,7 +77,7 @@ pub struct LearnArgs {
     #[arg(
         long,
         value_name = "N",
-        default_value_t = 2_000_000,
+        default_value_t = PATHS,
         help_heading = "Guiding"
     )]
     pub paths: u64,

@@ -17,6 +17,8 @@ pub struct Table1 {
     pub batches: u32,
     /// Photon paths a batch.
     pub photons_per_batch: u64,
+    /// How many pixels' paths shared what they found.
+    pub reuse: u32,
     /// Times that everything was done.
     pub repeats: u32,
     /// Seed of the first time.
@@ -147,6 +149,9 @@ impl Table1 {
             "{} samples a pixel, {} x {} photons, {} threads, medians of {}\n",
             self.spp, self.batches, self.photons_per_batch, self.threads, self.repeats
         );
+        if self.reuse > 1 {
+            let _ = writeln!(text, "paths share what they find, {} a group", self.reuse);
+        }
         for scene in &self.scenes {
             // Writing to a string cannot fail.
             let _ = write!(text, "\n{}", scene.to_table());

@@ -37,7 +37,14 @@ fn every_method_has_a_row_of_numbers_that_make_sense() {
     let names: Vec<&str> = rows.iter().map(|r| r["method"].as_str().unwrap()).collect();
     assert_eq!(
         names,
-        ["none", "gmm", "double", "double-vmf", "double-gauss"]
+        [
+            "none",
+            "gmm",
+            "double",
+            "double-vmf",
+            "double-gauss",
+            "double-render"
+        ]
     );
     for row in rows {
         let of = |key: &str| row[key].as_f64().unwrap_or_else(|| panic!("{key}: {row}"));
@@ -57,7 +64,7 @@ fn every_method_has_a_row_of_numbers_that_make_sense() {
         assert!(ran.out.contains(part), "{part:?} is missing: {}", ran.out);
     }
     let pictures = std::fs::read_dir(place.path("pictures")).unwrap();
-    assert_eq!(pictures.count(), 6);
+    assert_eq!(pictures.count(), 7);
 }
 
 #[test]
@@ -82,6 +89,28 @@ fn a_reference_is_kept_or_given_and_errors_do_not_depend_on_threads() {
             }
         }
     }
+}
+
+#[test]
+fn the_last_method_is_what_a_render_does_and_all_that_guide_may_share() {
+    let place = place();
+    let words = format!("table1 {TINY} --repeats 1 --method gmm,double-render --seed 3");
+    let ran = place
+        .run(&format!("{words} --reuse 8 --json shared.json -o shared"))
+        .ok();
+    assert!(ran.out.contains("8 a group"), "{}", ran.out);
+    place.run(&format!("{words} --json alone.json")).ok();
+    let rmse = |name, row: usize| {
+        let rmse = &json(&place, name)["scenes"][0]["rows"][row]["rmse"];
+        rmse.as_f64().unwrap()
+    };
+    for row in 0..2 {
+        assert!(rmse("shared.json", row) != rmse("alone.json", row));
+    }
+    place
+        .run("render scene.xml --spp 4 --guide double --reuse 8 --seed 3 -o r.png")
+        .ok();
+    assert!(place.read("shared/scene-double-render.png") == place.read("r.png"));
 }
 
 #[test]

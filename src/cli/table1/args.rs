@@ -2,6 +2,7 @@
 
 use crate::cli::args::{Accel, LightArgs};
 use crate::cli::values::{self, Definition};
+use crate::integrate::reuse;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -33,7 +34,7 @@ pub struct Table1Args {
         long = "method",
         value_name = "NAMES",
         value_delimiter = ',',
-        default_value = "none,gmm,double,double-vmf,double-gauss",
+        default_value = "none,gmm,double,double-vmf,double-gauss,double-render",
         help_heading = "Guiding"
     )]
     pub methods: Vec<Method>,
@@ -46,6 +47,10 @@ pub struct Table1Args {
     /// Memory for a field while it is learned, such as 64M
     #[arg(long, value_name = "BYTES", default_value = "256M", value_parser = values::bytes, help_heading = "Guiding")]
     pub guide_memory: usize,
+    /// How many pixels' paths share what they find, with every method that guides, as in "twintree render"; 1: each
+    /// is for itself, as in the paper
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=i64::from(reuse::MOST)), help_heading = "Guiding")]
+    pub reuse: u32,
     /// Times that everything is done, with a seed of its own each; medians count. The methods take turns
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000), help_heading = "Measurement")]
     pub repeats: u32,
@@ -90,6 +95,9 @@ pub enum Method {
     DoubleVmf,
     /// The double hierarchy with Gaussian mixtures
     DoubleGauss,
+    /// The same as "twintree render --guide double" has it: it takes as many of the photons as the image is worth, and
+    /// learns from the image's own first samples
+    DoubleRender,
 }
 
 impl Method {
@@ -101,6 +109,7 @@ impl Method {
             Self::Double => "double",
             Self::DoubleVmf => "double-vmf",
             Self::DoubleGauss => "double-gauss",
+            Self::DoubleRender => "double-render",
         }
     }
 }

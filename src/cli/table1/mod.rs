@@ -2,7 +2,7 @@
 //!
 //! Every method renders the same scenes at the same samples a pixel. Those that guide learn from the same
 //! photons and nothing else, each cut into batches as suits it: mixtures take equal ones as in the paper,
-//! the double hierarchy its own doubling ones. The methods take turns, so that a machine that gets slower
+//! the double hierarchy its own doubling ones. (But for the last one, which learns as a render does.) The methods take turns, so that a machine that gets slower
 //! gets slower for all, and medians over the repeats count.
 
 pub mod args;
@@ -41,6 +41,7 @@ pub fn run(args: &Table1Args) -> Result<(), Failure> {
         spp: args.spp,
         batches: args.batches,
         photons_per_batch: args.photons,
+        reuse: args.reuse,
         repeats: args.repeats,
         seed: args.light.seed,
         scenes: Vec::new(),

@@ -3,6 +3,7 @@
 use super::args::{Method, Table1Args};
 use crate::camera::Camera;
 use crate::cli::args::{RayArgs, SceneArgs};
+use crate::cli::field_args::PATHS;
 use crate::cli::load::{self, Input, Loaded};
 use crate::cli::{Failure, overrides};
 use crate::film::layers::{Layers, Metadata};
@@ -13,7 +14,7 @@ use crate::integrate::PathSettings;
 use crate::integrate::guiding::Guidance;
 use crate::integrate::learn::{LearnSettings, Learner};
 use crate::integrate::learn_gmm::learn_mixtures;
-use crate::integrate::render::{Limits, Observer, Progress, View, render};
+use crate::integrate::render::{Limits, Observer, Progress, Spent, View, render, resume};
 use crate::photon::PhotonSettings;
 use crate::photon::schedule::Budget;
 use crate::scene::Scene;
@@ -92,7 +93,10 @@ impl Subject {
         Ok(Self {
             name: name.unwrap_or_default(),
             camera: Camera::new(&description.camera, film.width, film.height),
-            settings: overrides::path_settings(&args.light, &description.render),
+            settings: PathSettings {
+                reuse: args.reuse,
+                ..overrides::path_settings(&args.light, &description.render)
+            },
             loaded,
             scene,
             fingerprint,
@@ -117,6 +121,7 @@ impl Subject {
     pub fn identity(&self) -> u64 {
         let settings = PathSettings {
             seed: 0,
+            reuse: 1,
             ..self.settings.clone()
         };
         let film = self.film();
@@ -196,6 +201,7 @@ impl Subject {
             Method::Double => ModelKind::Constant,
             Method::DoubleVmf => ModelKind::Vmf,
             Method::DoubleGauss => ModelKind::Gauss,
+            Method::DoubleRender => return self.learn_and_draw(&view),
         };
         let how = self.learning(&settings, DOUBLING_BATCHES, model);
         let learner = Learner::new(&view, &how)?;
@@ -207,6 +213,41 @@ impl Subject {
         Ok(self.draw(&view, Some(learner.guide().into()), bytes, elapsed))
     }
 
+    /// Learns on the way, from photons as needed and from the image's own first samples.
+    fn learn_and_draw(&self, view: &View) -> Result<Run, Failure> {
+        let film = self.film();
+        let pixels = u64::from(film.width) * u64::from(film.height);
+        let how = LearnSettings {
+            photons: Budget::AsNeeded {
+                samples: pixels.saturating_mul(self.spp),
+                time: None,
+            },
+            paths: PATHS,
+            ..self.learning(view.settings, DOUBLING_BATCHES, ModelKind::Gauss)
+        };
+        let start = Instant::now();
+        let mut learner = Learner::new(view, &how)?;
+        let mut film = Film::new(self.film());
+        let (limits, spent) = (self.limits(), Spent::default());
+        resume(view, Some(&mut learner), &mut film, &limits, spent, &Silent);
+        let preprocessing = learner.elapsed();
+        Ok(Run {
+            rendering: start.elapsed().saturating_sub(preprocessing),
+            image: film.image(Layers::NONE, &Metadata::default()),
+            memory_bytes: learner.guide().field.bytes(),
+            training_bytes: learner.stats().training_bytes,
+            preprocessing,
+        })
+    }
+
+    fn limits(&self) -> Limits {
+        Limits {
+            spp: self.spp,
+            time: None,
+            noise: None,
+        }
+    }
+
     fn draw(
         &self,
         view: &View,
@@ -216,13 +257,8 @@ impl Subject {
     ) -> Run {
         let view = View { guide, ..*view };
         let mut film = Film::new(self.film());
-        let limits = Limits {
-            spp: self.spp,
-            time: None,
-            noise: None,
-        };
         let start = Instant::now();
-        render(&view, &mut film, &limits, &Silent);
+        render(&view, &mut film, &self.limits(), &Silent);
         Run {
             rendering: start.elapsed(),
             image: film.image(Layers::NONE, &Metadata::default()),
