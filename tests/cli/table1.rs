@@ -110,7 +110,10 @@ fn the_last_method_is_what_a_render_does_and_all_that_guide_may_share() {
     place
         .run("render scene.xml --spp 4 --guide double --reuse 8 --seed 3 -o r.png")
         .ok();
-    assert!(place.read("shared/scene-double-render.png") == place.read("r.png"));
+    place
+        .run("compare r.png --reference shared/scene-double-render.png --json same.json")
+        .ok();
+    assert_eq!(json(&place, "same.json")["images"][0]["rmse"], 0.0);
 }
 
 #[test]
