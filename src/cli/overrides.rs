@@ -160,9 +160,14 @@ const ENDLESS_SPP: u64 = 256;
 
 /// Photons for a render: as many as are given, or as it is worth.
 pub fn photons_for(args: &LearnArgs, film: &FilmDescription, limits: &Limits) -> Budget {
-    if let Some(photons) = args.photons {
-        return exactly(photons, args.batches);
+    match args.photons {
+        Some(photons) => exactly(photons, args.batches),
+        None => photons_as_needed(film, limits),
     }
+}
+
+/// As many photons as an image is worth.
+pub fn photons_as_needed(film: &FilmDescription, limits: &Limits) -> Budget {
     let pixels = u64::from(film.width) * u64::from(film.height);
     let spp = match limits.spp {
         u64::MAX if limits.time.is_none() => ENDLESS_SPP,

@@ -3,6 +3,7 @@
 use super::args::Table1Args;
 use super::subject::{DOUBLING_BATCHES, Silent, Subject};
 use crate::cli::Failure;
+use crate::cli::field_args::PATHS;
 use crate::film::Film;
 use crate::film::layers::{Layers, Metadata};
 use crate::guide::ModelKind;
@@ -17,8 +18,6 @@ use std::time::Instant;
 const TIMES: u64 = 16;
 /// Sets a reference's random numbers apart from those of the images.
 const APART: u64 = 0xa076_1d64_78bd_642f;
-/// Camera paths that teach the reference's field, beside the photons.
-const PATHS: u64 = 2_000_000;
 
 /// A reference of the program's own and where it is kept: from there, if it is there already. It is
 /// guided by all that the program can learn, which does not change its mean.

@@ -215,21 +215,17 @@ impl Subject {
 
     /// Learns on the way, from photons as needed and from the image's own first samples.
     fn learn_and_draw(&self, view: &View) -> Result<Run, Failure> {
-        let film = self.film();
-        let pixels = u64::from(film.width) * u64::from(film.height);
+        let limits = self.limits();
         let how = LearnSettings {
-            photons: Budget::AsNeeded {
-                samples: pixels.saturating_mul(self.spp),
-                time: None,
-            },
+            photons: overrides::photons_as_needed(self.film(), &limits),
             paths: PATHS,
             ..self.learning(view.settings, DOUBLING_BATCHES, ModelKind::Gauss)
         };
         let start = Instant::now();
         let mut learner = Learner::new(view, &how)?;
         let mut film = Film::new(self.film());
-        let (limits, spent) = (self.limits(), Spent::default());
-        resume(view, Some(&mut learner), &mut film, &limits, spent, &Silent);
+        let (taught, spent) = (Some(&mut learner), Spent::default());
+        resume(view, taught, &mut film, &limits, spent, &Silent);
         let preprocessing = learner.elapsed();
         Ok(Run {
             rendering: start.elapsed().saturating_sub(preprocessing),
