@@ -50,6 +50,14 @@ pub struct GuideArgs {
         help_heading = "Guiding"
     )]
     pub reuse: u32,
+    /// Whether guided paths aim at suns behind glass and in mirrors
+    #[arg(
+        long,
+        value_name = "WHEN",
+        default_value = "auto",
+        help_heading = "Guiding"
+    )]
+    pub aim: Aim,
 }
 
 /// How many paths share what they find, unless told otherwise.
@@ -64,6 +72,15 @@ pub enum RouletteBy {
     Field,
     /// Low throughput, as without a field
     Throughput,
+}
+
+/// Whether paths aim at suns.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Aim {
+    /// Where there are any, as often as a short trial finds worth its time
+    Auto,
+    /// Never: they are left to what the field knows
+    Never,
 }
 
 /// How a field is learned.

@@ -108,6 +108,7 @@ fn settings(args: &RenderArgs, subject: &Subject, limits: &Limits) -> Vec<(Strin
         add("--mixture", &args.guide.mixture.0);
         add("--roulette", &args.guide.roulette);
         add("--reuse", &args.guide.reuse);
+        add("--aim", &args.guide.aim);
         return list;
     }
     let (guide, learn) = (args.guide.guide.unwrap_or(Guide::None), &args.guide.learn);
@@ -129,6 +130,7 @@ fn settings(args: &RenderArgs, subject: &Subject, limits: &Limits) -> Vec<(Strin
         add("--mixture", &args.guide.mixture.0);
         add("--roulette", &args.guide.roulette);
         add("--reuse", &args.guide.reuse);
+        add("--aim", &args.guide.aim);
     }
     list
 }

@@ -4,6 +4,7 @@ use super::field_args::{Guide as Way, GuideArgs, GuideModel, LearnArgs, Teachers
 use super::{Failure, overrides};
 use crate::guide::FieldFile;
 use crate::image::atomic;
+use crate::integrate::chain::Aiming;
 use crate::integrate::extend::{check_scene, to_guide};
 use crate::integrate::guiding::{Guidance, Guide};
 use crate::integrate::learn::{LearnSettings, Learned, Learner, learn};
@@ -110,9 +111,7 @@ impl Guiding {
             return learned.mixtures.bytes();
         }
         let learned = self.learner.as_ref().map(Learner::guide);
-        learned
-            .or(self.kept.as_ref())
-            .map_or(0, |g| g.field.bytes())
+        learned.or(self.kept.as_ref()).map_or(0, |g| g.bytes())
     }
 
     /// Time that learning took so far.
@@ -134,7 +133,10 @@ pub fn guiding(
     limits: &Limits,
 ) -> Result<Guiding, Failure> {
     if let Some(opened) = opened {
-        let guide = to_guide(&opened.file).with_mixture(args.mixture.0);
+        let mut guide = to_guide(&opened.file).with_mixture(args.mixture.0);
+        guide.aiming = Aiming::find(view);
+        trial::aim(view, &mut guide);
+        describe_aiming(&guide);
         tracing::info!(
             "guided by {}: {}, {}",
             opened.path.display(),
@@ -218,12 +220,13 @@ pub fn describe(learner: &Learner) {
         "the field: {} links in {} cells, {}; learning it took {}",
         words::count(stats.links as f64),
         words::count(stats.space_cells as f64),
-        words::bytes(learner.guide().field.bytes()),
+        words::bytes(learner.guide().bytes()),
         words::time(learner.elapsed().as_secs_f64()),
     );
     let Some(verdict) = learner.verdict() else {
         return;
     };
+    describe_aiming(learner.guide());
     let work = 1.0 / verdict.gain();
     if !verdict.pays() {
         tracing::info!(
@@ -235,6 +238,16 @@ pub fn describe(learner: &Learner) {
     } else {
         tracing::info!(
             "guiding goes on for light that is rare: elsewhere it takes {work:.1} times the work"
+        );
+    }
+}
+
+/// Says how often paths aim at suns.
+fn describe_aiming(guide: &Guide) {
+    if let Some(aiming) = &guide.aiming {
+        let share = 100.0 * aiming.chance();
+        tracing::info!(
+            "aims at suns behind glass and in mirrors: {share} % of the first rough vertices"
         );
     }
 }

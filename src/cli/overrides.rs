@@ -1,7 +1,7 @@
 //! What the command line changes about a scene.
 
 use super::args::{LightArgs, PictureArgs, RFilter, RenderArgs, Sampler, StopArgs};
-use super::field_args::{GuideArgs, GuideModel, LearnArgs, RouletteBy, Teachers};
+use super::field_args::{Aim, GuideArgs, GuideModel, LearnArgs, RouletteBy, Teachers};
 use super::{Failure, memory};
 use crate::film::filter::Filter;
 use crate::film::{FilmDescription, Pixel};
@@ -123,6 +123,7 @@ pub fn path_settings(args: &LightArgs, scene: &RenderDescription) -> PathSetting
         rr_depth: args.rr_depth.unwrap_or(scene.rr_depth),
         roulette: Roulette::default(),
         reuse: 1,
+        aim: false,
         hide_emitters: args.hide_emitters || scene.hide_emitters,
         strict_normals: args.strict_normals || scene.strict_normals,
         sampler: match args.sampler {
@@ -139,6 +140,7 @@ pub fn guided_path_settings(args: &RenderArgs, scene: &RenderDescription) -> Pat
     PathSettings {
         roulette: roulette(&args.guide),
         reuse: args.guide.reuse,
+        aim: args.guide.aim == Aim::Auto,
         ..path_settings(&args.light, scene)
     }
 }

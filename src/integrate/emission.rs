@@ -5,6 +5,8 @@
 //! and its density is not asked for.
 
 use super::PathSettings;
+use super::chain::Station;
+use super::vertex::Walk;
 use super::wave::{Outcome, Path};
 use crate::accel::Ray;
 use crate::math::mis::power_heuristic;
@@ -14,12 +16,15 @@ use crate::texture::SurfacePoint;
 
 /// Adds what shines from outside the scene.
 pub(super) fn add_environment(
-    scene: &Scene,
-    settings: &PathSettings,
+    walk: &Walk,
     ray: &Ray,
     path: &Path,
+    stations: &[Station],
     outcome: &mut Outcome,
 ) {
+    let Walk {
+        scene, settings, ..
+    } = *walk;
     let hidden = path.depth == 0 && settings.hide_emitters;
     if hidden || !scene.lights.has_environment() {
         return;
@@ -29,12 +34,26 @@ pub(super) fn add_environment(
         let (radiance, pdf) = lights.environment_pdf(path.from, path.from_normal, ray.dir);
         (radiance, power_heuristic(path.pdf, pdf * path.light_chance))
     } else {
-        (lights.environment(ray.dir), 1.0)
+        (
+            lights.environment(ray.dir),
+            chained(walk, ray, path, stations),
+        )
     };
     if radiance == Rgb::ZERO {
         return;
     }
     outcome.radiance += path.throughput * radiance * weight;
+}
+
+/// What the light counts that a path meets by a chain of mirrors and glass.
+fn chained(walk: &Walk, ray: &Ray, path: &Path, stations: &[Station]) -> f32 {
+    let aiming = walk.guide.and_then(|guide| guide.aiming());
+    let (Some(aiming), Some(station)) = (aiming, stations.get(path.station as usize)) else {
+        return 1.0;
+    };
+    aiming
+        .chains()
+        .weight(walk.scene, station, path.chain, ray.dir)
 }
 
 /// Adds what the surface itself emits.

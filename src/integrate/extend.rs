@@ -78,7 +78,11 @@ pub fn to_file(
 /// A field that was kept, ready to guide.
 pub fn to_guide(file: &FieldFile) -> Guide {
     let (field, fractions) = file.freeze();
-    Guide { field, fractions }
+    Guide {
+        field,
+        fractions,
+        aiming: None,
+    }
 }
 
 /// Refuses a field whose scene has another identity.

@@ -5,6 +5,7 @@
 //! sampling with the balance heuristic). Next-event estimation is joined to that mixture. The field
 //! shapes densities only: whatever it says, the expected image is the same.
 
+use super::chain::Aiming;
 use crate::bsdf::{Bsdf, BsdfSample, LobeFlags, Rest, Transport};
 use crate::guide::gmm::{LocalMixture, Mixtures};
 use crate::guide::{Chances, Field, Fractions, GuideSample, LocalField};
@@ -25,6 +26,8 @@ pub struct Guide {
     pub field: Field,
     /// How often to trust it.
     pub fractions: Fractions,
+    /// How to aim at suns that no direction of the field is narrow enough for.
+    pub aiming: Option<Aiming>,
 }
 
 /// What guides paths: one of the representations of the light field.
@@ -114,7 +117,11 @@ impl Guide {
     /// A field that is trusted half of the time everywhere.
     pub fn new(field: Field) -> Self {
         let fractions = Fractions::new(&field);
-        Self { field, fractions }
+        Self {
+            field,
+            fractions,
+            aiming: None,
+        }
     }
 
     /// The same, drawing from the field with this probability everywhere, if one is given.
@@ -123,14 +130,20 @@ impl Guide {
             Some(share) => self.fractions.with_share(share),
             None => self.fractions,
         };
-        Self {
-            fractions,
-            field: self.field,
-        }
+        Self { fractions, ..self }
     }
 }
 
 impl<'a> Guidance<'a> {
+    /// How paths aim at suns, if they do.
+    #[inline]
+    pub fn aiming(&self) -> Option<&'a Aiming> {
+        match self {
+            Self::Double(guide) => guide.aiming.as_ref(),
+            Self::Gmm(_) => None,
+        }
+    }
+
     /// What the field says at a vertex, or nothing where it should not be asked: no smooth lobe, a
     /// lobe too narrow, no light known.
     #[inline]
@@ -163,6 +176,18 @@ impl<'a> Guidance<'a> {
 }
 
 impl Guide {
+    /// Bytes held.
+    pub fn bytes(&self) -> u64 {
+        let chains = self.aiming.as_ref().map(|a| a.chains().bytes());
+        self.field.bytes() + chains.unwrap_or(0)
+    }
+
+    /// Lets paths aim at suns this often, if there are any to aim at.
+    pub fn aim(&mut self, chance: f32) {
+        let aiming = self.aiming.take().map(|aiming| aiming.with_chance(chance));
+        self.aiming = aiming.filter(|_| chance > 0.0);
+    }
+
     /// The field at a vertex, the irradiance there and the chances of what to do; nothing without light.
     #[inline]
     fn ask(

@@ -43,6 +43,8 @@ pub struct Step {
     pub met: Rgb,
     /// Radiance by the light sample that was drawn there.
     pub light: Option<LightBrought>,
+    /// Radiance by aiming at a sun from there (see [`super::chain`]).
+    pub aimed: Rgb,
 }
 
 impl Step {
@@ -54,7 +56,7 @@ impl Step {
     /// Radiance that the sample gained at this vertex.
     pub fn gained(&self) -> Rgb {
         let light = self.light.filter(|l| !l.blocked);
-        self.met + light.map_or(Rgb::ZERO, |l| l.radiance)
+        self.met + self.aimed + light.map_or(Rgb::ZERO, |l| l.radiance)
     }
 }
 
@@ -77,15 +79,23 @@ pub fn trace_sample(view: &View, [x, y]: [u32; 2], sample: u64) -> Traced {
     let mut forks = Forks::default();
     forks.start(1);
     let mut outcomes = vec![Outcome::default()];
-    let mut steps = Vec::new();
+    let (mut steps, mut stations) = (Vec::new(), Vec::new());
     let mut next = vec![(path, camera.ray)];
     // All ways together, bounce by bounce, as in a wave.
     while !next.is_empty() {
         let (mut onward, mut lit) = (Vec::new(), Vec::new());
         for (mut path, ray) in next {
             let outcome = &mut outcomes[path.slot as usize];
-            let next = step(view, &ray, &mut path, outcome, &mut forks, &mut steps);
+            let watched = Watched {
+                outcome,
+                forks: &mut forks,
+                stations: &mut stations,
+                pool: &mut Pool::new(1),
+                witness: &mut (),
+            };
+            let next = step(view, &ray, &mut path, watched, &mut steps);
             lit.extend(next.shadow);
+            lit.extend(next.found);
             onward.extend(next.ray.map(|ray| (path, ray)));
         }
         onward.extend(forks.take());
@@ -152,15 +162,16 @@ pub fn teach_until(view: &View, learner: &mut Learner, spp: u64, sample: u64) {
 struct Onward {
     ray: Option<Ray>,
     shadow: Option<(u32, Rgb)>,
+    /// The same of what it found by aiming.
+    found: Option<(u32, Rgb)>,
 }
 
 /// One edge.
-fn step(
-    view: &View,
+fn step<'s>(
+    view: &View<'s>,
     ray: &Ray,
     path: &mut Path,
-    outcome: &mut Outcome,
-    forks: &mut Forks,
+    watched: Watched<'_, 's, ()>,
     steps: &mut Vec<Step>,
 ) -> Onward {
     let rays = &view.scene.rays;
@@ -168,13 +179,12 @@ fn step(
     let mut hit = [Hit::NONE];
     rays.intersect_batch(&[*ray], &mut hit);
     let (throughput, pdf, way) = (path.throughput, path.pdf, path.slot);
+    let outcome = watched.outcome;
     let before = outcome.radiance;
     outcome.radiance = Rgb::ZERO;
     let watched = Watched {
         outcome: &mut *outcome,
-        forks,
-        pool: &mut Pool::new(1),
-        witness: &mut (),
+        ..watched
     };
     let next = visit::<true>(&view.walk(), ray, &hit[0], path, watched);
     let met = outcome.radiance;
@@ -196,10 +206,12 @@ fn step(
         pdf,
         met,
         light: light.map(|(_, light)| light),
+        aimed: next.found.map_or(Rgb::ZERO, |(_, radiance)| radiance),
     });
     let arrived = light.filter(|(_, light)| !light.blocked);
     Onward {
         ray: next.ray,
+        found: next.found,
         shadow: arrived.map(|(slot, light)| (slot, light.radiance)),
     }
 }

@@ -5,6 +5,7 @@
 //! hands the [`Lessons`] of its first passes to a [`Learner`] and renders the next pass with what that
 //! has learned ([`super::render`] does). [`learn`] makes paths of its own, for a field without an image.
 
+use super::chain::Aiming;
 use super::guiding::Guide;
 use super::importance;
 use super::record::{Lessons, Records};
@@ -115,8 +116,10 @@ impl Learner {
                 elapsed: start.elapsed(),
             });
         }
+        let mut guide = Guide::new(trainer.freeze()).with_mixture(settings.mixture);
+        guide.aiming = Aiming::find(view);
         Ok(Self {
-            guide: Guide::new(trainer.freeze()).with_mixture(settings.mixture),
+            guide,
             trainer,
             mixture: settings.mixture,
             paths: settings.paths,
@@ -148,6 +151,11 @@ impl Learner {
         self.verdict = Some(verdict);
     }
 
+    /// Takes note of how often aiming at suns pays.
+    pub fn aim(&mut self, chance: f32) {
+        self.guide.aim(chance);
+    }
+
     /// Whether guiding pays, if that was tried.
     pub fn verdict(&self) -> Option<Verdict> {
         self.verdict
@@ -161,12 +169,19 @@ impl Learner {
         self.trainer.refine_rounds(ROUNDS);
         if self.mixture.is_none() {
             let parts: Vec<_> = lessons.iter().map(|l| &l.fractions[..]).collect();
-            let Guide { field, fractions } = &mut self.guide;
+            let Guide {
+                field, fractions, ..
+            } = &mut self.guide;
             fractions.update_in_parts(field, &parts);
         }
         let field = self.trainer.freeze();
         let fractions = self.guide.fractions.carried_over(&self.guide.field, &field);
-        self.guide = Guide { field, fractions }.with_mixture(self.mixture);
+        self.guide = Guide {
+            field,
+            fractions,
+            aiming: self.guide.aiming.take(),
+        }
+        .with_mixture(self.mixture);
         self.elapsed += start.elapsed();
     }
 
@@ -325,6 +340,7 @@ pub fn garbage(scene: &Scene, model: ModelKind, seed: u64) -> Guide {
     let field = Field::random(bounds.min, bounds.max, model, seed);
     Guide {
         fractions: Fractions::random(&field, seed),
+        aiming: None,
         field,
     }
 }

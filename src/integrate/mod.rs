@@ -11,6 +11,7 @@
 //! order, so neither the tiles nor the threads can change a bit of the image.
 
 pub mod cells;
+pub mod chain;
 mod emission;
 pub mod extend;
 pub mod forks;
@@ -50,6 +51,8 @@ pub struct PathSettings {
     /// How many paths share what they find behind their first rough vertices, where a field guides (see
     /// [`reuse`]); 1: none do.
     pub reuse: u32,
+    /// Where a field guides, paths aim at suns behind mirrors and glass, too (see [`chain`]), if that pays.
+    pub aim: bool,
     /// The camera itself does not see emitters.
     pub hide_emitters: bool,
     /// Drop light that crosses a surface by its shading normal only.

@@ -8,6 +8,7 @@
 //! in it as far as multiple importance sampling leaves it to this direction: next-event estimation
 //! finds a lamp by itself, but not a dim sky beside a bright sun.
 
+use super::chain::Aimed;
 use super::wave::Outcome;
 use crate::guide::{FractionRecord, PathSample};
 use crate::math::{Rgb, Vec3};
@@ -22,6 +23,10 @@ pub trait Witness {
     fn leave(&mut self, slot: u32, departure: Departure);
     /// The light sample of the vertex that the path has just left was not blocked and brought `radiance`.
     fn lit(&mut self, slot: u32, radiance: Rgb);
+    /// A path that came so aimed at the suns.
+    fn aimed(&mut self, arrival: &Arrival, aimed: &Aimed) {
+        let _ = (arrival, aimed);
+    }
 }
 
 impl Witness for () {

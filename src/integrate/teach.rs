@@ -52,8 +52,9 @@ pub(super) fn teach(
         learner.take(&lessons, paths / stride);
         from = to;
         if from == trial::AFTER {
-            let verdict = trial(job, job.view.film, learner.guide());
+            let (verdict, chance) = trial(job, job.view.film, learner.guide());
             learner.judge(verdict);
+            learner.aim(chance);
         }
         let progress = Progress {
             spp: film.spp_done(),

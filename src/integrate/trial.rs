@@ -13,8 +13,9 @@
 //! 0.92, 2.0; materials 0.83, 5.6; torus 0.82, 970; lux-pool 0.39, 310; cbox-caustics 1.4, 260. The last
 //! three are where guiding gains most.
 
+use super::chain::pays::{self, Gains};
 use super::guiding::Guide;
-use super::render::Job;
+use super::render::{Job, Observer, Progress, View};
 use super::vertex::Walk;
 use crate::film::{Film, FilmDescription, Pixel, Shard, Tile};
 use rayon::prelude::*;
@@ -76,8 +77,8 @@ impl Verdict {
     }
 }
 
-/// Renders the trial's tiles both ways.
-pub(super) fn trial(job: &Job, film: &FilmDescription, guide: &Guide) -> Verdict {
+/// Renders the trial's tiles both ways. What came of it, and how often it pays to aim at suns.
+pub(super) fn trial(job: &Job, film: &FilmDescription, guide: &Guide) -> (Verdict, f32) {
     let (guided, guided_rays) = half(job, film, Some(guide));
     let (unguided, unguided_rays) = half(job, film, None);
     let mut verdict = Verdict {
@@ -86,12 +87,14 @@ pub(super) fn trial(job: &Job, film: &FilmDescription, guide: &Guide) -> Verdict
         ..Verdict::default()
     };
     let (mut light, mut light_unguided) = (0.0, 0.0);
+    let mut aims = pays::Trial::default();
     let (mut of_guided, mut of_unguided) = (Vec::new(), Vec::new());
-    for (a, b) in guided.iter().zip(&unguided) {
+    for ((a, found), (b, _)) in guided.iter().zip(&unguided) {
         let (mean, mean_unguided) = (mean(a), mean(b));
         light += mean * a.area() as f64;
         light_unguided += mean_unguided * b.area() as f64;
         let scale = (0.5 * (mean + mean_unguided)).powi(2) + 0.01;
+        aims.add(found, scale.sqrt());
         of_guided.extend(a.pixels.iter().map(|p| variance(p) / scale));
         of_unguided.extend(b.pixels.iter().map(|p| variance(p) / scale));
     }
@@ -104,11 +107,42 @@ pub(super) fn trial(job: &Job, film: &FilmDescription, guide: &Guide) -> Verdict
     } else {
         1.0
     };
-    verdict
+    let samples = of_guided.len() as f64 * (SAMPLES.end - SAMPLES.start) as f64;
+    (verdict, aims.best(samples, verdict.guided, guided_rays))
+}
+
+/// How often it pays to aim at suns where a view is guided by a field that was learned before.
+pub fn aim(view: &View, guide: &mut Guide) {
+    if guide.aiming.is_none() {
+        return;
+    }
+    let observer = Unwatched;
+    let job = Job::new(view, &observer, 0);
+    let (tiles, rays) = half(&job, view.film, Some(guide));
+    let mut aims = pays::Trial::default();
+    let mut variances = Vec::new();
+    for (tile, found) in &tiles {
+        let scale = mean(tile).powi(2) + 0.01;
+        aims.add(found, scale.sqrt());
+        variances.extend(tile.pixels.iter().map(|p| variance(p) / scale));
+    }
+    let samples = variances.len() as f64 * (SAMPLES.end - SAMPLES.start) as f64;
+    let (variance, _) = trimmed(&mut variances);
+    guide.aim(aims.best(samples, variance, rays));
+}
+
+/// Nobody looks on.
+struct Unwatched;
+
+impl Observer for Unwatched {
+    fn pass_done(&self, _: &Progress, _: &Film) {}
+    fn should_stop(&self) -> bool {
+        false
+    }
 }
 
 /// The trial's tiles rendered one way, and rays a path.
-fn half(job: &Job, film: &FilmDescription, guide: Option<&Guide>) -> (Vec<Tile>, f64) {
+fn half(job: &Job, film: &FilmDescription, guide: Option<&Guide>) -> (Vec<(Tile, Gains)>, f64) {
     let shard = Shard {
         index: 0,
         count: SHARE,
@@ -119,17 +153,22 @@ fn half(job: &Job, film: &FilmDescription, guide: Option<&Guide>) -> (Vec<Tile>,
         ..job.view.walk()
     };
     let before = job.rays();
-    film.tiles_mut()
+    let gains: Vec<Gains> = film
+        .tiles_mut()
         .par_iter_mut()
         .with_max_len(1)
-        .for_each(|tile| {
+        .map(|tile| {
+            let mut gains = Gains::default();
             if tile.is_held() && !job.observer.should_stop() {
-                job.take_samples(&walk, tile, SAMPLES, &mut (), |(), _| {});
+                job.take_samples(&walk, tile, SAMPLES, &mut gains, |_, _| {});
             }
-        });
+            gains
+        })
+        .collect();
     let paths = (film.held_pixels() * (SAMPLES.end - SAMPLES.start)).max(1);
     let rays = (job.rays() - before) as f64 / paths as f64;
-    let tiles = film.tiles().iter().filter(|t| t.is_held()).cloned();
+    let tiles = film.tiles().iter().cloned().zip(gains);
+    let tiles = tiles.filter(|(tile, _)| tile.is_held());
     (tiles.collect(), rays)
 }
 

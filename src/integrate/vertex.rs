@@ -1,5 +1,6 @@
 //! One vertex of a camera path.
 
+use super::chain::{Aimed, Cone, Kinds, Place, Request, Station};
 use super::emission::{add_emission, add_environment};
 use super::forks::Forks;
 use super::guiding::{Guidance, GuidedVertex, facing, is_guidable};
@@ -8,7 +9,7 @@ use super::next_event::{ShadowRay, crosses, sample_light};
 use super::record::{Arrival, Departure, Onward, Witness};
 use super::reuse::{Admission, Pool, Stage};
 use super::roulette;
-use super::wave::{FirstHit, Outcome, Path};
+use super::wave::{FirstHit, NO_STATION, Outcome, Path};
 use super::{PathSettings, Roulette};
 use crate::accel::{Hit, Ray};
 use crate::bsdf::{Apart, Bsdf, BsdfSample, LobeFlags, Rest, Transport};
@@ -25,6 +26,10 @@ pub struct Next {
     pub ray: Option<Ray>,
     /// A shadow ray to trace.
     pub shadow: Option<(Ray, ShadowRay)>,
+    /// Light for an account.
+    pub found: Option<(u32, Rgb)>,
+    /// Rays that were traced here.
+    pub rays: u32,
 }
 
 impl Next {
@@ -32,6 +37,8 @@ impl Next {
     pub const END: Next = Next {
         ray: None,
         shadow: None,
+        found: None,
+        rays: 0,
     };
 }
 
@@ -52,6 +59,8 @@ pub struct Watched<'w, 's, W: Witness> {
     pub outcome: &'w mut Outcome,
     /// Where ways that split off go.
     pub forks: &'w mut Forks,
+    /// The rough vertices that paths have left.
+    pub stations: &'w mut Vec<Station>,
     /// What paths share.
     pub pool: &'w mut Pool<'s>,
     /// Who looks on.
@@ -84,7 +93,7 @@ pub fn visit<'s, const GUIDED: bool>(
     } = *walk;
     if !hit.is_some() {
         watched.arrive(path, f32::INFINITY);
-        add_environment(scene, settings, ray, path, watched.outcome);
+        add_environment(walk, ray, path, watched.stations, watched.outcome);
         return Next::END;
     }
     let surface = &scene.surfaces.list[hit.shape as usize];
@@ -152,6 +161,7 @@ fn scatter<'s, const GUIDED: bool>(
     let Watched {
         outcome,
         forks,
+        stations,
         pool,
         witness,
     } = watched;
@@ -177,6 +187,7 @@ fn scatter<'s, const GUIDED: bool>(
         lobes: apart.map_or(Rest::ALL, |apart| apart.rest),
         ways: 1,
         stem: None,
+        aims: None,
     };
     let block = path.sampler.next4();
     let mut arrival = Arrival {
@@ -184,6 +195,16 @@ fn scatter<'s, const GUIDED: bool>(
         radiance: so_far,
     };
     let shadow = sample_light::<GUIDED>(walk, &vertex, path, [block[0], block[1], block[2]]);
+    let (mut found, mut rays) = (None, 0);
+    if GUIDED {
+        vertex.aims = aims(walk, &vertex, path);
+        let aimed = aim(walk, &vertex, path, distance);
+        if let Some(aimed) = &aimed {
+            rays += aimed.rays;
+            witness.aimed(&arrival, aimed);
+            found = aimed.found.map(|found| path.throughput * found.light());
+        }
+    }
     let coming = coming::<GUIDED>(settings, &vertex, path.throughput);
     vertex.ways = coming.map_or(1, |coming| roulette::ways(path, coming));
     if GUIDED && pool.is_open() && is_stem(settings, &vertex, path, coming) {
@@ -194,7 +215,7 @@ fn scatter<'s, const GUIDED: bool>(
         if lobe.is_none() {
             watch(&vertex, path, arrival, onward.as_ref(), witness);
         }
-        leave(&vertex, path, &onward?.0, distance)
+        leave(&vertex, path, &onward?.0, distance, stations)
     };
     let alone = apart.and_then(|apart| {
         lots::by_lobe(&apart, guided.is_some(), path, forks, &mut arrival, &mut go)
@@ -202,6 +223,7 @@ fn scatter<'s, const GUIDED: bool>(
     // The light that was sampled belongs to the rest of the lobes, and to all of their ways together.
     let slot = path.slot;
     let shadow = shadow.map(|(ray, offer)| (ray, ShadowRay { slot, offer }));
+    let found = found.map(|radiance| (slot, radiance));
     let ray = match alone {
         Some(Alone(ray)) => ray,
         None if GUIDED && vertex.ways > 1 => {
@@ -209,8 +231,59 @@ fn scatter<'s, const GUIDED: bool>(
         }
         None => go(path, &arrival, None),
     };
-    Next { ray, shadow }
+    Next {
+        ray,
+        shadow,
+        found,
+        rays,
+    }
 }
+
+/// Where chains are sampled at a vertex, and with which chance: at rough ones that some lead to.
+#[inline]
+fn aims(walk: &Walk, vertex: &Vertex, path: &Path) -> Option<(Place, f32)> {
+    let aiming = walk.guide?.aiming()?;
+    if !is_guidable(vertex.bsdf) {
+        return None;
+    }
+    let place = Place::new(vertex.point, vertex.bsdf, vertex.wo);
+    let chance = match path.stage {
+        Stage::Fresh => aiming.chance(),
+        _ => aiming.chance() * BEHIND,
+    };
+    aiming.chains().reach(&place).then_some((place, chance))
+}
+
+/// Sunlight that arrives at a vertex by a chain, if one is sampled.
+#[inline]
+fn aim(walk: &Walk, vertex: &Vertex, path: &Path, distance: f32) -> Option<Aimed> {
+    let (aiming, (place, chance)) = (walk.guide?.aiming()?, vertex.aims?);
+    // A number beside the path's own.
+    let mut numbers = path.sampler.fork(AIM);
+    if numbers.next4()[0] >= chance {
+        return None;
+    }
+    let cone = Cone {
+        width: path.cone_width + path.cone_spread * distance,
+        spread: path.cone_spread.max(vertex.bsdf.roughness() * ROUGH_SPREAD),
+    };
+    let most = (walk.settings.max_depth - 2).saturating_sub(path.depth);
+    let request = Request {
+        walk,
+        vertex,
+        place: &place,
+        chance,
+        most,
+        cone,
+    };
+    let [a, b, c, _] = numbers.next4();
+    Some(aiming.chains().sample(&request, [a, b, c]))
+}
+
+/// How much less often a path aims behind its first rough vertex.
+const BEHIND: f32 = 0.4;
+/// Sets the numbers that chains are sampled by apart from others.
+const AIM: u32 = 0x6169_6d00;
 
 /// What the field says at a vertex, for the lobes that the path's own direction is drawn among, and the delta lobe
 /// that is followed beside them.
@@ -273,17 +346,38 @@ pub(super) struct Vertex<'v, 's> {
     ways: u32,
     /// The number of the stem that ends here.
     stem: Option<u32>,
+    /// Where chains are sampled here, and how often.
+    aims: Option<(Place, f32)>,
 }
 
 /// The ray along a sampled direction.
 #[inline(always)]
-fn leave(vertex: &Vertex, path: &mut Path, sample: &BsdfSample, distance: f32) -> Option<Ray> {
+fn leave(
+    vertex: &Vertex,
+    path: &mut Path,
+    sample: &BsdfSample,
+    distance: f32,
+    stations: &mut Vec<Station>,
+) -> Option<Ray> {
     let delta = sample.lobe.has(LobeFlags::DELTA);
     let Vertex { point, bsdf, .. } = *vertex;
     path.pdf = if delta { f32::INFINITY } else { sample.pdf };
     path.from = point.p;
     path.cone_width += path.cone_spread * distance;
-    if !delta {
+    if delta {
+        path.chain = path.chain.then(sample.lobe);
+    } else {
+        path.chain = Kinds::EMPTY;
+        path.station = NO_STATION;
+        if let Some((place, chance)) = vertex.aims {
+            path.station = stations.len() as u32;
+            stations.push(Station {
+                place,
+                dir: sample.wi,
+                pdf: sample.pdf,
+                chance,
+            });
+        }
         path.stage = vertex.stem.map_or(Stage::Past, Stage::Left);
         path.cone_spread = path.cone_spread.max(bsdf.roughness() * ROUGH_SPREAD);
     }

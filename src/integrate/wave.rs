@@ -1,5 +1,6 @@
 //! A wave of paths that advance together, one bounce at a time.
 
+use super::chain::{Kinds, Station};
 use super::forks::Forks;
 use super::next_event::ShadowRay;
 use super::record::Witness;
@@ -13,6 +14,9 @@ use crate::scene::Scene;
 /// Vertices whose data is brought into the cache at a time: a few times as many as a processor waits for at
 /// once, few enough for the smallest cache.
 const AHEAD: usize = 32;
+
+/// [`Path::station`] of a path that has left no vertex where chains were sampled.
+pub const NO_STATION: u32 = u32::MAX;
 
 /// What a path carries from one vertex to the next.
 #[derive(Clone, Copy, Debug)]
@@ -44,6 +48,10 @@ pub struct Path {
     pub aimed_with: f32,
     /// How far it has come.
     pub stage: Stage,
+    /// The mirrors and glass that it has passed since it left its last rough vertex.
+    pub chain: Kinds,
+    /// Number of that vertex among the wave's stations, or [`NO_STATION`].
+    pub station: u32,
     /// Width of the ray's cone at its origin.
     pub cone_width: f32,
     /// Growth of that width per unit distance.
@@ -68,6 +76,8 @@ impl Path {
             ways: 1,
             lots: 1.0,
             stage: Stage::Fresh,
+            chain: Kinds::EMPTY,
+            station: NO_STATION,
             aimed_with: 1.0,
             slot,
             cone_width: camera.cone_width,
@@ -129,6 +139,9 @@ pub struct Wave {
     /// What the samples came to with what they share.
     shared: Vec<Outcome>,
     forks: Forks,
+    stations: Vec<Station>,
+    /// Light that vertices have found at once, for accounts.
+    found: Vec<(u32, Rgb)>,
     rays_traced: u64,
 }
 
@@ -186,6 +199,7 @@ impl Wave {
     /// Traces all samples to their ends.
     fn run<'s>(&mut self, walk: &Walk<'s>, witness: &mut impl Witness, pool: &mut Pool<'s>) {
         self.forks.start(self.outcomes.len());
+        self.stations.clear();
         while !self.paths.is_empty() {
             self.hits.resize(self.rays.len(), Hit::NONE);
             walk.scene.rays.intersect_batch(&self.rays, &mut self.hits);
@@ -225,11 +239,14 @@ impl Wave {
             let watched = Watched {
                 outcome,
                 forks: &mut self.forks,
+                stations: &mut self.stations,
                 witness: &mut *witness,
                 pool: &mut *pool,
             };
             let (ray, hit) = (&self.rays[i], &self.hits[i]);
             let next = vertex::visit::<GUIDED>(walk, ray, hit, path, watched);
+            self.found.extend(next.found);
+            self.rays_traced += u64::from(next.rays);
             if let Some((ray, shadow)) = next.shadow {
                 self.shadow_rays.push(ray);
                 self.shadows.push(shadow);
@@ -246,6 +263,9 @@ impl Wave {
         }
         let accounts = self.forks.accounts();
         self.outcomes.resize(accounts, Outcome::default());
+        for (slot, radiance) in self.found.drain(..) {
+            self.outcomes[slot as usize].radiance += radiance;
+        }
     }
 
     /// Adds the light of all unblocked shadow rays.

@@ -7,6 +7,7 @@
 //! place in it from the bilinear patch through them. Where a sun covers a few texels the density follows
 //! its flanks exactly.
 
+use super::beacon::{BRIGHT, Beacon, LEAST_SHARE};
 use super::blocks::Blocks;
 use crate::math::distribution::sample_linear;
 use crate::math::rgb::selection_weight;
@@ -72,6 +73,38 @@ impl LatLong {
     /// Integral of the radiance over all directions.
     pub fn integral(&self) -> Rgb {
         self.integral
+    }
+
+    /// The sun, if there is one.
+    pub fn beacon(&self) -> Option<Beacon> {
+        let bright = selection_weight(self.integral) * (BRIGHT / (4.0 * PI));
+        let suns = (0..self.pixels.len()).filter(|&i| selection_weight(self.pixels[i]) > bright);
+        let suns: Vec<(Vec3, f64)> = suns.map(|i| self.texel(i)).collect();
+        let flux: f64 = suns.iter().map(|(_, flux)| flux).sum();
+        if flux < f64::from(selection_weight(self.integral) * LEAST_SHARE) {
+            return None;
+        }
+        let sum: glam::DVec3 = suns.iter().map(|(dir, f)| dir.as_dvec3() * *f).sum();
+        let center = sum.as_vec3().normalize_or_zero();
+        let farthest = suns
+            .iter()
+            .map(|(dir, _)| (*dir - center).length())
+            .fold(0.0, f32::max);
+        // Values are bilinear between texels: the rim reaches to the next ones.
+        let texel = (TAU / self.width as f32).max(self.theta_max / (self.height - 1) as f32);
+        Beacon::new(center, farthest + texel)
+    }
+
+    /// The world direction of a texel, and the light that comes from there, per area.
+    fn texel(&self, i: usize) -> (Vec3, f64) {
+        let step = self.theta_max / (self.height - 1) as f32;
+        let phi = ((i % self.width) as f32 + 0.5) * (TAU / self.width as f32);
+        let (sin_theta, cos_theta) = ((i / self.width) as f32 * step).sin_cos();
+        let (sin_phi, cos_phi) = phi.sin_cos();
+        let dir = Vec3::new(sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta);
+        let area = sin_theta * step * (TAU / self.width as f32);
+        let flux = selection_weight(self.pixels[i]) * area;
+        (self.to_world * dir, f64::from(flux))
     }
 
     /// Radiance from the world direction `dir`.

@@ -12,6 +12,7 @@ use crate::math::{Rgb, Vec2, Vec3};
 use crate::texture::SurfacePoint;
 
 mod area;
+mod beacon;
 mod blocks;
 mod build;
 mod cluster;
@@ -35,6 +36,7 @@ mod tree;
 mod tree_build;
 mod triangle;
 
+pub use beacon::Beacon;
 pub use description::{Emitter, EmitterShape, SunSky};
 pub use emission::Emission;
 

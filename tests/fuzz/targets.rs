@@ -70,6 +70,7 @@ fn thumbnail(mut description: Description) {
         seed: 1,
         roulette: twintree::integrate::Roulette::Field,
         reuse: 1,
+        aim: false,
     };
     let view = View {
         scene: &scene,

@@ -201,6 +201,7 @@ pub fn settings() -> PathSettings {
         rr_depth: 5,
         roulette: Roulette::Field,
         reuse: 1,
+        aim: false,
         hide_emitters: false,
         strict_normals: false,
         sampler: SamplerKind::Independent,

@@ -6,7 +6,7 @@
 
 use crate::cli::Failure;
 use crate::cli::args::{Accel, AccelBuild, Cli, Sampler};
-use crate::cli::field_args::{Guide, GuideModel, RouletteBy, Teachers};
+use crate::cli::field_args::{Aim, Guide, GuideModel, RouletteBy, Teachers};
 use crate::report::sweep::Configuration;
 use crate::scene::description::SamplerKind;
 use clap::{Parser, ValueEnum};
@@ -84,6 +84,7 @@ pub fn built_in(scene: SceneTraits) -> Vec<Configuration> {
     plan.turn_all("roulette", &[RouletteBy::Field]);
     plan.turn("reuse", "1");
     plan.turn("reuse", "8");
+    plan.turn_all("aim", &[Aim::Auto]);
     let (own, other) = match scene.sampler {
         SamplerKind::Independent => (Sampler::Independent, "sobol"),
         SamplerKind::Sobol => (Sampler::Sobol, "independent"),

@@ -201,15 +201,18 @@ impl Subject {
             Method::Double => ModelKind::Constant,
             Method::DoubleVmf => ModelKind::Vmf,
             Method::DoubleGauss => ModelKind::Gauss,
-            Method::DoubleRender => return self.learn_and_draw(&view),
+            Method::DoubleRender => {
+                let settings = PathSettings {
+                    aim: true,
+                    ..settings
+                };
+                return self.learn_and_draw(&self.view(&settings));
+            }
         };
         let how = self.learning(&settings, DOUBLING_BATCHES, model);
         let learner = Learner::new(&view, &how)?;
         let elapsed = start.elapsed();
-        let bytes = [
-            learner.guide().field.bytes(),
-            learner.stats().training_bytes,
-        ];
+        let bytes = [learner.guide().bytes(), learner.stats().training_bytes];
         Ok(self.draw(&view, Some(learner.guide().into()), bytes, elapsed))
     }
 
@@ -230,7 +233,7 @@ impl Subject {
         Ok(Run {
             rendering: start.elapsed().saturating_sub(preprocessing),
             image: film.image(Layers::NONE, &Metadata::default()),
-            memory_bytes: learner.guide().field.bytes(),
+            memory_bytes: learner.guide().bytes(),
             training_bytes: learner.stats().training_bytes,
             preprocessing,
         })

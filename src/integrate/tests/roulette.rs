@@ -1,11 +1,14 @@
 //! How long paths live.
 
+use crate::integrate::chain::Kinds;
 use crate::integrate::roulette::{by_field, by_throughput, ways};
-use crate::integrate::wave::Path;
+use crate::integrate::wave::{NO_STATION, Path};
 use crate::math::{PathSampler, Rgb, Vec3};
 
 fn path(throughput: Rgb, eta: f32) -> Path {
     Path {
+        chain: Kinds::EMPTY,
+        station: NO_STATION,
         throughput,
         pdf: 1.0,
         from: Vec3::ZERO,

@@ -1,0 +1,142 @@
+//! Newton's method: from a seed to the sun's image.
+
+use super::Place;
+use super::follow::{Cone, Kinds, follow_all};
+use super::seeds::Seed;
+use crate::light::Beacon;
+use crate::math::warp::concentric_disk;
+use crate::math::{Frame, Vec2, Vec3};
+use crate::scene::Scene;
+use glam::Mat2;
+use std::f32::consts::FRAC_1_PI;
+
+/// Steps at most. (With 3: 1.15 times the variance of a torus in glass, for 0.95 of the time.)
+const STEPS: u32 = 6;
+/// Angle over which derivatives are measured: well below the angle under which a rounded edge is seen, and well above
+/// the rounding errors of hits and normals.
+const DIFFERENCE: f32 = 2e-4;
+/// The middle of the sun is met to this part of its radius.
+const CLOSE: f32 = 0.25;
+/// Longest step, and how far an image may lie from where its seed is seen, as a tangent.
+const FARTHEST: f32 = 0.35;
+/// Cosine of the angle between them at most.
+pub const FARTHEST_COSINE: f32 = 0.9;
+/// The image is taken for larger by this factor: it is no exact ellipse.
+const MARGIN: f32 = 1.2;
+
+/// The sun's image, as far as it is linear: an ellipse in the plane that touches the unit sphere at `frame.n`.
+#[derive(Clone, Copy, Debug)]
+pub struct Focus {
+    frame: Frame,
+    /// A place of the plane.
+    at: Vec2,
+    /// Where the chain leads from there, in the plane that touches the sphere at the sun, in its radii.
+    out: Vec2,
+    /// Derivative of that.
+    derivative: Mat2,
+    inverse: Mat2,
+}
+
+impl Focus {
+    /// A direction in the image, and its density.
+    pub fn sample(&self, u: Vec2) -> (Vec3, f32) {
+        let out = concentric_disk(u) * MARGIN;
+        let at = self.at + self.inverse * (out - self.out);
+        let dir = self.frame.to_world(at.extend(1.0)).normalize();
+        (dir, self.pdf(dir))
+    }
+
+    /// Density with which [`Focus::sample`] draws a direction, solid angle.
+    pub fn pdf(&self, dir: Vec3) -> f32 {
+        let local = self.frame.to_local(dir);
+        if local.z <= 0.0 {
+            return 0.0;
+        }
+        let at = Vec2::new(local.x, local.y) / local.z;
+        let out = self.out + self.derivative * (at - self.at);
+        if out.length_squared() > MARGIN * MARGIN {
+            return 0.0;
+        }
+        let density = self.derivative.determinant().abs() * (FRAC_1_PI / (MARGIN * MARGIN));
+        density / (local.z * local.z * local.z)
+    }
+}
+
+/// A seed's chain, looked along from a place.
+struct View<'v> {
+    scene: &'v Scene,
+    place: &'v Place,
+    chain: Kinds,
+    sun: &'v Beacon,
+    /// Where the seed is seen.
+    frame: Frame,
+    /// Where the sun is.
+    sky: Frame,
+    traced: &'v mut u32,
+}
+
+impl View<'_> {
+    /// Where the chain leads from several places of the frame's plane.
+    fn lead<const N: usize>(&mut self, at: [Vec2; N]) -> [Option<Vec2>; N] {
+        *self.traced += N as u32 * self.chain.len();
+        let dirs = at.map(|at| self.frame.to_world(at.extend(1.0)).normalize());
+        let rays = dirs.map(|dir| self.place.ray(dir));
+        follow_all(self.scene, rays, self.chain, Cone::NONE, false).map(|arrived| {
+            let local = self.sky.to_local(arrived?.ray.dir);
+            (local.z > 0.0).then(|| Vec2::new(local.x, local.y) / (local.z * self.sun.radius))
+        })
+    }
+
+    /// The derivative of that at a place which leads to `out`, and its inverse, where an image of the sun's size is small.
+    fn slope(&mut self, at: Vec2, out: Vec2) -> Option<(Mat2, Mat2)> {
+        let [x, y] = self.lead([Vec2::X, Vec2::Y].map(|axis| at + axis * DIFFERENCE));
+        let derivative = Mat2::from_cols(x? - out, y? - out) * DIFFERENCE.recip();
+        let inverse = derivative.inverse();
+        let size = inverse.x_axis.length_squared() + inverse.y_axis.length_squared();
+        // Nothing is if the derivative vanishes: that is no number.
+        (size <= FARTHEST * FARTHEST).then_some((derivative, inverse))
+    }
+}
+
+/// Brings the sun into focus that `seed` tells of, as seen from a place. `None` where it is not seen, or not as an
+/// image that is nearly linear. Adds the rays that it takes to `traced`.
+pub fn focus(
+    scene: &Scene,
+    place: &Place,
+    seed: &Seed,
+    sun: &Beacon,
+    traced: &mut u32,
+) -> Option<Focus> {
+    let to = (seed.point - place.position).try_normalize()?;
+    let mut view = View {
+        scene,
+        place,
+        chain: seed.chain,
+        sun,
+        frame: Frame::new(to),
+        sky: Frame::new(sun.center),
+        traced,
+    };
+    let mut at = Vec2::ZERO;
+    let mut out = view.lead([at])[0]?;
+    for _ in 0..STEPS {
+        let (derivative, inverse) = view.slope(at, out)?;
+        if out.length_squared() <= CLOSE * CLOSE {
+            return Some(Focus {
+                frame: view.frame,
+                at,
+                out,
+                derivative,
+                inverse,
+            });
+        }
+        let step = (inverse * -out).clamp_length_max(FARTHEST);
+        let next = view.lead([at + step])[0]?;
+        // Halving a step that leads further away finds 6 % more, for a fifth more rays.
+        if next.length_squared() >= out.length_squared() || (at + step).length() > FARTHEST {
+            return None;
+        }
+        (at, out) = (at + step, next);
+    }
+    None
+}

@@ -1,0 +1,180 @@
+//! A chain of mirrors and clear glass, followed.
+
+use crate::accel::{Hit, Ray};
+use crate::bsdf::{Bsdf, BsdfSample, LobeFlags, Transport};
+use crate::integrate::next_event::crosses;
+use crate::math::offset::offset_origin;
+use crate::math::rng::BELOW_ONE;
+use crate::math::{Rgb, Vec2, Vec3};
+use crate::scene::Scene;
+
+/// The kinds of scattering along a chain, from the rough vertex outwards: two bits each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Kinds(u32);
+
+/// Most scatterings of a chain.
+pub const LONGEST: u32 = 8;
+
+/// The bits of a delta lobe's kind.
+fn bits(lobe: LobeFlags) -> u32 {
+    if lobe.has(LobeFlags::NULL) {
+        3
+    } else if lobe.has(LobeFlags::TRANSMISSION) {
+        2
+    } else {
+        1
+    }
+}
+
+impl Kinds {
+    /// None yet.
+    pub const EMPTY: Self = Self(0);
+    /// More than are told apart.
+    pub const LOST: Self = Self(u32::MAX);
+
+    /// How many.
+    #[inline]
+    pub fn len(self) -> u32 {
+        (u32::BITS - self.0.leading_zeros()).div_ceil(2)
+    }
+
+    /// Whether there is none.
+    #[inline]
+    pub fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// With one more at the far end.
+    #[inline]
+    pub fn then(self, lobe: LobeFlags) -> Self {
+        let len = self.len();
+        if len >= LONGEST {
+            return Self::LOST;
+        }
+        Self(self.0 | bits(lobe) << (2 * len))
+    }
+
+    /// With one more at the rough vertex' end.
+    #[inline]
+    pub fn before(self, lobe: LobeFlags) -> Self {
+        if self.len() >= LONGEST {
+            return Self::LOST;
+        }
+        Self(self.0 << 2 | bits(lobe))
+    }
+}
+
+/// The cone that a ray stands for.
+#[derive(Clone, Copy, Debug)]
+pub struct Cone {
+    /// Its width where the ray begins.
+    pub width: f32,
+    /// Growth of that per unit distance.
+    pub spread: f32,
+}
+
+impl Cone {
+    /// None: textures are seen as sharp as they are.
+    pub const NONE: Self = Self {
+        width: 0.0,
+        spread: 0.0,
+    };
+}
+
+/// Where a chain leads.
+#[derive(Clone, Copy, Debug)]
+pub struct Arrived {
+    /// The ray behind the last of its scatterings.
+    pub ray: Ray,
+    /// What the lobes let through.
+    pub weight: Rgb,
+}
+
+/// The delta lobe of a kind, with its value instead of a weight.
+fn lobe(bsdf: &Bsdf, wo: Vec3, kind: u32) -> Option<BsdfSample> {
+    if !bsdf.flags().has(LobeFlags::DELTA) {
+        return None;
+    }
+    [0.0, BELOW_ONE].into_iter().find_map(|u| {
+        let mut sample = bsdf.sample(wo, u, Vec2::splat(0.5), Transport::Radiance)?;
+        sample.weight *= sample.pdf;
+        (sample.lobe.has(LobeFlags::DELTA) && bits(sample.lobe) == kind).then_some(sample)
+    })
+}
+
+/// Where the ray goes on from what it met, by a lobe of the kind.
+fn pass(
+    scene: &Scene,
+    arrived: &Arrived,
+    hit: &Hit,
+    kind: u32,
+    cone: &mut Cone,
+    strict: bool,
+) -> Option<Arrived> {
+    if !hit.is_some() {
+        return None;
+    }
+    let ray = &arrived.ray;
+    let wo = -ray.dir;
+    cone.width += cone.spread * hit.t;
+    let point = scene.surfaces.point(ray, hit, cone.width);
+    let surface = &scene.surfaces.list[hit.shape as usize];
+    let bsdf = scene
+        .surfaces
+        .materials
+        .resolve(surface.material, &point, wo);
+    let sample = lobe(&bsdf, wo, kind)?;
+    if strict && (crosses(point.normals(), sample.wi) || crosses(point.normals(), wo)) {
+        return None;
+    }
+    Some(Arrived {
+        ray: Ray::new(
+            offset_origin(point.p, point.error, point.ng, sample.wi),
+            sample.wi,
+        ),
+        weight: arrived.weight * sample.weight,
+    })
+}
+
+/// Follows a chain along a ray.
+pub fn follow(scene: &Scene, ray: Ray, chain: Kinds, cone: Cone, strict: bool) -> Option<Arrived> {
+    follow_all(scene, [ray], chain, cone, strict)[0]
+}
+
+/// Follows a chain along several rays side by side.
+pub fn follow_all<const N: usize>(
+    scene: &Scene,
+    rays: [Ray; N],
+    chain: Kinds,
+    cone: Cone,
+    strict: bool,
+) -> [Option<Arrived>; N] {
+    let mut all = rays.map(|ray| {
+        let weight = Rgb::ONE;
+        Some(Arrived { ray, weight })
+    });
+    let mut cones = [cone; N];
+    let mut kinds = chain.0;
+    while kinds != 0 {
+        let rays = all.map(|a| a.map_or(NOWHERE, |a| a.ray));
+        let mut hits = [Hit::NONE; N];
+        scene.rays.intersect_batch(&rays, &mut hits);
+        for i in 0..N {
+            all[i] =
+                all[i].and_then(|a| pass(scene, &a, &hits[i], kinds & 3, &mut cones[i], strict));
+        }
+        if all.iter().all(Option::is_none) {
+            break;
+        }
+        kinds >>= 2;
+    }
+    all
+}
+
+/// A ray that meets nothing.
+const NOWHERE: Ray = Ray {
+    org: Vec3::ZERO,
+    tmin: 1.0,
+    dir: Vec3::Z,
+    tmax: 0.0,
+};

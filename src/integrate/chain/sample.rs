@@ -1,0 +1,115 @@
+//! Sunlight by a chain, sampled at a rough vertex.
+
+use super::focus::focus;
+use super::follow::{Cone, follow};
+use super::{Chains, Place, owner, total};
+use crate::bsdf::Transport;
+use crate::integrate::next_event::crosses;
+use crate::integrate::vertex::{Vertex, Walk};
+use crate::math::mis::power_heuristic;
+use crate::math::{Rgb, Vec2};
+
+/// What is to be sampled.
+pub(in crate::integrate) struct Request<'v, 's> {
+    pub walk: &'v Walk<'s>,
+    pub vertex: &'v Vertex<'v, 's>,
+    /// The vertex.
+    pub place: &'v Place,
+    /// The chance with which it is asked for.
+    pub chance: f32,
+    /// Most scatterings of the chain.
+    pub most: u32,
+    /// What rays stand for that leave the vertex.
+    pub cone: Cone,
+}
+
+/// A sun that was found.
+#[derive(Clone, Copy, Debug)]
+pub struct Found {
+    /// Radiance that the vertex reflects, before it is divided by a density.
+    pub radiance: Rgb,
+    /// Density with which it was drawn, solid angle, the chance of drawing at all included.
+    pub pdf: f32,
+    /// Density with which the path would have drawn it by itself.
+    pub path_pdf: f32,
+}
+
+impl Found {
+    /// What the vertex gains.
+    pub fn light(&self) -> Rgb {
+        self.radiance * (power_heuristic(self.pdf, self.path_pdf) / self.pdf)
+    }
+}
+
+/// What came of aiming.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Aimed {
+    /// The sun.
+    pub found: Option<Found>,
+    /// Rays that it took.
+    pub rays: u32,
+}
+
+impl Chains {
+    /// Samples sunlight that arrives at a vertex by a chain. `u` are three uniform numbers: one chooses the seed, two the
+    /// place in the image.
+    pub(in crate::integrate) fn sample(&self, request: &Request, u: [f32; 3]) -> Aimed {
+        let mut rays = 0;
+        let found = self.find(request, u, &mut rays);
+        Aimed { found, rays }
+    }
+
+    fn find(&self, request: &Request, u: [f32; 3], rays: &mut u32) -> Option<Found> {
+        let Request {
+            walk,
+            vertex,
+            place,
+            ..
+        } = *request;
+        let scene = walk.scene;
+        let seeds = self.seeds.near(place.position);
+        let total = total(seeds, place);
+        let mut rest = u[0] * total;
+        let chosen = seeds.iter().position(|s| {
+            rest -= place.weight(s);
+            rest < 0.0
+        })?;
+        let seed = &seeds[chosen];
+        if seed.chain.len() > request.most {
+            return None;
+        }
+        let sun = &self.suns[seed.sun as usize];
+        let image = focus(scene, place, seed, sun, rays)?;
+        let (dir, image_pdf) = image.sample(Vec2::new(u[1], u[2]));
+        let pdf = image_pdf * (place.weight(seed) / total * request.chance);
+        let usable = pdf > 0.0 && pdf.is_finite();
+        if !usable || owner(seeds, place, dir, seed.chain, seed.sun) != Some(chosen) {
+            return None;
+        }
+        let strict = walk.settings.strict_normals;
+        let normals = vertex.point.normals();
+        if strict && (crosses(normals, dir) || crosses(normals, vertex.wo)) {
+            return None;
+        }
+        let (f, bsdf_pdf) = vertex.bsdf.eval_pdf(vertex.wo, dir, Transport::Radiance);
+        if f == Rgb::ZERO {
+            return None;
+        }
+        *rays += seed.chain.len() + 1;
+        let arrived = follow(scene, place.ray(dir), seed.chain, request.cone, strict)?;
+        if !sun.contains(arrived.ray.dir) {
+            return None;
+        }
+        let mut blocked = [false];
+        scene.rays.occluded_batch(&[arrived.ray], &mut blocked);
+        if blocked[0] {
+            return None;
+        }
+        let radiance = f * (arrived.weight * scene.lights.environment(arrived.ray.dir));
+        Some(Found {
+            radiance,
+            pdf,
+            path_pdf: vertex.guided.map_or(bsdf_pdf, |g| g.pdf(dir, bsdf_pdf)),
+        })
+    }
+}
