@@ -210,6 +210,8 @@
 //!   directions, in which flat faces show the sun, most of the others from edges, by a density of about 0.1. Cells facing the same
 //!   way that draw 3 % from up to 64 needles of the whole scene: 3.9 instead of 4.4, 3.5 instead of 3.6 in a kitchen, for
 //!   1.05 times the time. Lessons from all paths of all passes instead of half a million a pass: no difference.
+//!   What does find them needs no field: photons tell where such chains begin, and Newton's method leads from there
+//!   to the sun, from any point. (Not here but in the renderer: `integrate/chain`. Relative variance 0.5 instead of 2.3.)
 //! * **More samples where the noise is.** Pixels that take samples by their own variance, in passes: variance times
 //!   time 1.06 instead of 1.15 in the torus, 0.67 and 0.67 in the caustic; tiles by variance and cost: 0.77 to 0.81
 //!   instead of 0.72, 0.78 instead of 0.84. The noise is in few samples, not in few pixels. Not kept.

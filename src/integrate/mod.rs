@@ -5,11 +5,12 @@
 //! bulk (packets) and the same code runs over many vertices in a row. What happens at a vertex
 //! (emission, next-event estimation and BSDF sampling joined by multiple importance sampling, Russian
 //! roulette) is in [`vertex`]; what is worth more than expected goes on in several ways ([`forks`]); what guided paths
-//! find is shared among pixels ([`reuse`]).
+//! find is shared among pixels ([`reuse`]), and suns behind glass and in mirrors are aimed at ([`chain`]).
 //!
 //! Each sample's numbers come from `(seed, pixel, sample)` alone and each pixel's sum is taken in sample
 //! order, so neither the tiles nor the threads can change a bit of the image.
 
+mod aim;
 pub mod cells;
 pub mod chain;
 mod emission;

@@ -1,6 +1,7 @@
 //! One vertex of a camera path.
 
-use super::chain::{Aimed, Cone, Kinds, Place, Request, Station};
+use super::aim::{aim, aims};
+use super::chain::{Kinds, Place, Station};
 use super::emission::{add_emission, add_environment};
 use super::forks::Forks;
 use super::guiding::{Guidance, GuidedVertex, facing, is_guidable};
@@ -239,52 +240,6 @@ fn scatter<'s, const GUIDED: bool>(
     }
 }
 
-/// Where chains are sampled at a vertex, and with which chance: at rough ones that some lead to.
-#[inline]
-fn aims(walk: &Walk, vertex: &Vertex, path: &Path) -> Option<(Place, f32)> {
-    let aiming = walk.guide?.aiming()?;
-    if !is_guidable(vertex.bsdf) {
-        return None;
-    }
-    let place = Place::new(vertex.point, vertex.bsdf, vertex.wo);
-    let chance = match path.stage {
-        Stage::Fresh => aiming.chance(),
-        _ => aiming.chance() * BEHIND,
-    };
-    aiming.chains().reach(&place).then_some((place, chance))
-}
-
-/// Sunlight that arrives at a vertex by a chain, if one is sampled.
-#[inline]
-fn aim(walk: &Walk, vertex: &Vertex, path: &Path, distance: f32) -> Option<Aimed> {
-    let (aiming, (place, chance)) = (walk.guide?.aiming()?, vertex.aims?);
-    // A number beside the path's own.
-    let mut numbers = path.sampler.fork(AIM);
-    if numbers.next4()[0] >= chance {
-        return None;
-    }
-    let cone = Cone {
-        width: path.cone_width + path.cone_spread * distance,
-        spread: path.cone_spread.max(vertex.bsdf.roughness() * ROUGH_SPREAD),
-    };
-    let most = (walk.settings.max_depth - 2).saturating_sub(path.depth);
-    let request = Request {
-        walk,
-        vertex,
-        place: &place,
-        chance,
-        most,
-        cone,
-    };
-    let [a, b, c, _] = numbers.next4();
-    Some(aiming.chains().sample(&request, [a, b, c]))
-}
-
-/// How much less often a path aims behind its first rough vertex.
-const BEHIND: f32 = 0.4;
-/// Sets the numbers that chains are sampled by apart from others.
-const AIM: u32 = 0x6169_6d00;
-
 /// What the field says at a vertex, for the lobes that the path's own direction is drawn among, and the delta lobe
 /// that is followed beside them.
 #[inline]
@@ -347,7 +302,7 @@ pub(super) struct Vertex<'v, 's> {
     /// The number of the stem that ends here.
     stem: Option<u32>,
     /// Where chains are sampled here, and how often.
-    aims: Option<(Place, f32)>,
+    pub aims: Option<(Place, f32)>,
 }
 
 /// The ray along a sampled direction.
@@ -488,4 +443,4 @@ fn watch<W: Witness>(
 
 /// After a rough bounce textures are seen blurred: a lobe of roughness 1 spreads its cone this much per
 /// unit distance. A blur of the texture far below the lobe's own width.
-const ROUGH_SPREAD: f32 = 0.05;
+pub(super) const ROUGH_SPREAD: f32 = 0.05;
