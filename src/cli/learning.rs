@@ -170,7 +170,10 @@ pub fn guiding(
     if args.guide == Some(Way::Gmm) {
         return mixtures(args, view, &settings);
     }
-    let learner = Learner::new(view, &settings)?;
+    let mut learner = Learner::new(view, &settings)?;
+    if !learner.wants_more() {
+        learner.try_aiming(view);
+    }
     let counts = learner.counts();
     tracing::info!(
         "learned from {} photons ({} landings) in {}",

@@ -10,7 +10,7 @@ use super::guiding::Guide;
 use super::importance;
 use super::record::{Lessons, Records};
 use super::render::View;
-use super::trial::Verdict;
+use super::trial::{self, Verdict};
 use super::vertex::Walk;
 use super::wave::Wave;
 use crate::camera::CameraRay;
@@ -149,6 +149,11 @@ impl Learner {
     /// Takes note of whether guiding pays.
     pub fn judge(&mut self, verdict: Verdict) {
         self.verdict = Some(verdict);
+    }
+
+    /// Tries how often aiming at suns pays, where no pass of an image will.
+    pub fn try_aiming(&mut self, view: &View) {
+        trial::aim(view, &mut self.guide);
     }
 
     /// Takes note of how often aiming at suns pays.
