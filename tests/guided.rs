@@ -2,7 +2,7 @@
 
 mod support;
 
-use support::{Built, SceneMaker, film_mean, grey, inside_of_cube, settings};
+use support::{Built, SceneMaker, film_mean, grey, how, inside_of_cube, settings};
 use twintree::accel::{Backend, ExactKind};
 use twintree::bsdf::Material;
 use twintree::bsdf::material::{Distribution, Roughness};
@@ -15,8 +15,6 @@ use twintree::integrate::learn::{LearnSettings, Learned, garbage, learn};
 use twintree::integrate::learn_gmm::{self, learn_mixtures};
 use twintree::light::Emitter;
 use twintree::math::{Affine3A, Rgb, Vec3};
-use twintree::photon::PhotonSettings;
-use twintree::photon::schedule::Budget;
 
 /// A closed room lit by a lamp that shines at the ceiling, with a metal ball, a glass one and a varnished one:
 /// light arrives indirectly, off rough metal, focused through glass, and mirrored by what is also matt.
@@ -76,27 +74,6 @@ fn mixtures(built: &Built, photons: u64) -> Mixtures {
     learned.expect("mixtures are learned").mixtures
 }
 
-fn how(photons: u64, paths: u64) -> LearnSettings {
-    let photon = PhotonSettings {
-        max_bounces: 11,
-        roulette_after: 3,
-        seed: 5,
-    };
-    LearnSettings {
-        photons: Budget::Exactly {
-            photons,
-            batches: 6,
-        },
-        paths,
-        batches: 6,
-        memory: 32 << 20,
-        mixture: None,
-        photon,
-        // What the program takes unless it is told otherwise.
-        model: ModelKind::Gauss,
-    }
-}
-
 fn twelve() -> PathSettings {
     PathSettings {
         max_depth: 12,
@@ -104,36 +81,13 @@ fn twelve() -> PathSettings {
     }
 }
 
-/// Block means of two renders agree: 4 x 4 pixels, 64 blocks; the largest of 64 normal deviates
-/// exceeds 4.2 once in a thousand tests.
+/// Block means of two renders agree, and the second is precise enough for that to say something.
 fn agree(what: &str, a: &Film, b: &Film) {
-    let mut worst: f64 = 0.0;
-    for by in 0..a.height() / 4 {
-        for bx in 0..a.width() / 4 {
-            let sum = |film: &Film| {
-                let mut sum = (0.0, 0.0);
-                for i in 0..16 {
-                    let pixel = film.pixel(bx * 4 + i % 4, by * 4 + i / 4);
-                    sum.0 += pixel.mean()[1];
-                    sum.1 += pixel.variance_of_mean()[1];
-                }
-                sum
-            };
-            let (sa, sb) = (sum(a), sum(b));
-            worst = worst.max((sa.0 - sb.0).abs() / (sa.1 + sb.1).sqrt());
-        }
-    }
-    let (ma, mb) = (film_mean(a), film_mean(b));
-    let z = (ma.0 - mb.0) / ma.1.hypot(mb.1);
-    println!(
-        "{what}: {:.5} +- {:.5} and {:.5} +- {:.5}, worst block {worst:.2}",
-        ma.0, ma.1, mb.0, mb.1
-    );
-    assert!(mb.1 < 0.004 * mb.0, "{what}: too noisy to see one per cent");
-    assert!(z.abs() < 3.3, "{what}: means differ by {z} standard errors");
+    support::agree(what, a, b);
+    let (mean, error) = film_mean(b);
     assert!(
-        worst < 4.2,
-        "{what}: a block differs by {worst} standard errors"
+        error < 0.004 * mean,
+        "{what}: too noisy to see one per cent"
     );
 }
 

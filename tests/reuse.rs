@@ -3,7 +3,7 @@
 mod support;
 
 use std::sync::Arc;
-use support::{Built, SceneMaker, grey, inside_of_cube, settings};
+use support::{Built, SceneMaker, grey, how, inside_of_cube, settings};
 use twintree::accel::{Backend, ExactKind, TriangleMesh};
 use twintree::bsdf::Material;
 use twintree::bsdf::material::{Distribution, Roughness};
@@ -11,13 +11,11 @@ use twintree::film::Film;
 use twintree::guide::ModelKind;
 use twintree::integrate::PathSettings;
 use twintree::integrate::guiding::Guide;
-use twintree::integrate::learn::{LearnSettings, garbage, learn};
+use twintree::integrate::learn::{garbage, learn};
 use twintree::integrate::render::{Limits, Observer, Progress, Spent, resume};
 use twintree::integrate::reuse::Origin;
 use twintree::integrate::wave::{Outcome, Wave};
 use twintree::math::{Affine3A, Rgb, Vec2, Vec3};
-use twintree::photon::PhotonSettings;
-use twintree::photon::schedule::Budget;
 use twintree::scene::{Geometry, Mesh};
 use twintree::texture::Texture;
 
@@ -135,23 +133,7 @@ fn path(reuse: u32, seed: u64) -> PathSettings {
 }
 
 fn learned(room: &Built) -> Guide {
-    let how = LearnSettings {
-        photons: Budget::Exactly {
-            photons: 200_000,
-            batches: 6,
-        },
-        paths: 0,
-        batches: 6,
-        memory: 32 << 20,
-        mixture: None,
-        photon: PhotonSettings {
-            max_bounces: 11,
-            roulette_after: 3,
-            seed: 5,
-        },
-        model: ModelKind::Gauss,
-    };
-    let learned = learn(&room.view(&path(1, 1), None), &how);
+    let learned = learn(&room.view(&path(1, 1), None), &how(200_000, 0));
     learned.expect("the field is learned").guide
 }
 

@@ -226,10 +226,10 @@ pub fn describe(learner: &Learner) {
         words::bytes(learner.guide().bytes()),
         words::time(learner.elapsed().as_secs_f64()),
     );
+    describe_aiming(learner.guide());
     let Some(verdict) = learner.verdict() else {
         return;
     };
-    describe_aiming(learner.guide());
     let work = 1.0 / verdict.gain();
     if !verdict.pays() {
         tracing::info!(

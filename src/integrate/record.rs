@@ -16,31 +16,34 @@ use crate::math::{Rgb, Vec3};
 /// Watches paths while they travel. `()` watches nothing and costs nothing.
 pub trait Witness {
     /// Whether [`Witness::leave`] is to be called for this path.
-    fn wants(&self, slot: u32) -> bool;
+    #[inline]
+    fn wants(&self, slot: u32) -> bool {
+        let _ = slot;
+        false
+    }
     /// A path reached its next vertex, or left the scene; `radiance` is what it came to so far.
-    fn arrive(&mut self, slot: u32, radiance: Rgb, distance: f32);
+    #[inline]
+    fn arrive(&mut self, slot: u32, radiance: Rgb, distance: f32) {
+        let _ = (slot, radiance, distance);
+    }
     /// A path that it wants to know of goes on from a vertex, or ends there.
-    fn leave(&mut self, slot: u32, departure: Departure);
+    #[inline]
+    fn leave(&mut self, slot: u32, departure: Departure) {
+        let _ = (slot, departure);
+    }
     /// The light sample of the vertex that the path has just left was not blocked and brought `radiance`.
-    fn lit(&mut self, slot: u32, radiance: Rgb);
+    #[inline]
+    fn lit(&mut self, slot: u32, radiance: Rgb) {
+        let _ = (slot, radiance);
+    }
     /// A path that came so aimed at the suns.
+    #[inline]
     fn aimed(&mut self, arrival: &Arrival, aimed: &Aimed) {
         let _ = (arrival, aimed);
     }
 }
 
-impl Witness for () {
-    #[inline]
-    fn wants(&self, _: u32) -> bool {
-        false
-    }
-    #[inline]
-    fn arrive(&mut self, _: u32, _: Rgb, _: f32) {}
-    #[inline]
-    fn leave(&mut self, _: u32, _: Departure) {}
-    #[inline]
-    fn lit(&mut self, _: u32, _: Rgb) {}
-}
+impl Witness for () {}
 
 /// What a path was when it came to a vertex.
 #[derive(Clone, Copy, Debug)]

@@ -93,7 +93,7 @@ pub(super) fn trial(job: &Job, film: &FilmDescription, guide: &Guide) -> (Verdic
         let (mean, mean_unguided) = (mean(a), mean(b));
         light += mean * a.area() as f64;
         light_unguided += mean_unguided * b.area() as f64;
-        let scale = (0.5 * (mean + mean_unguided)).powi(2) + 0.01;
+        let scale = scale(0.5 * (mean + mean_unguided));
         aims.add(found, scale.sqrt());
         of_guided.extend(a.pixels.iter().map(|p| variance(p) / scale));
         of_unguided.extend(b.pixels.iter().map(|p| variance(p) / scale));
@@ -107,8 +107,10 @@ pub(super) fn trial(job: &Job, film: &FilmDescription, guide: &Guide) -> (Verdic
     } else {
         1.0
     };
-    let samples = of_guided.len() as f64 * (SAMPLES.end - SAMPLES.start) as f64;
-    (verdict, aims.best(samples, verdict.guided, guided_rays))
+    (
+        verdict,
+        aims.best(samples(&of_guided), verdict.guided, guided_rays),
+    )
 }
 
 /// How often it pays to aim at suns where a view is guided by a field that was learned before.
@@ -122,13 +124,12 @@ pub fn aim(view: &View, guide: &mut Guide) {
     let mut aims = pays::Trial::default();
     let mut variances = Vec::new();
     for (tile, found) in &tiles {
-        let scale = mean(tile).powi(2) + 0.01;
+        let scale = scale(mean(tile));
         aims.add(found, scale.sqrt());
         variances.extend(tile.pixels.iter().map(|p| variance(p) / scale));
     }
-    let samples = variances.len() as f64 * (SAMPLES.end - SAMPLES.start) as f64;
     let (variance, _) = trimmed(&mut variances);
-    guide.aim(aims.best(samples, variance, rays));
+    guide.aim(aims.best(samples(&variances), variance, rays));
 }
 
 /// Nobody looks on.
@@ -170,6 +171,16 @@ fn half(job: &Job, film: &FilmDescription, guide: Option<&Guide>) -> (Vec<(Tile,
     let tiles = film.tiles().iter().cloned().zip(gains);
     let tiles = tiles.filter(|(tile, _)| tile.is_held());
     (tiles.collect(), rays)
+}
+
+/// Samples of all these pixels.
+fn samples(pixels: &[f64]) -> f64 {
+    pixels.len() as f64 * (SAMPLES.end - SAMPLES.start) as f64
+}
+
+/// What a variance is relative to in a tile of this mean.
+fn scale(mean: f64) -> f64 {
+    mean.powi(2) + 0.01
 }
 
 /// Mean of a tile over pixels and channels.

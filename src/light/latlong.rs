@@ -97,14 +97,23 @@ impl LatLong {
 
     /// The world direction of a texel, and the light that comes from there, per area.
     fn texel(&self, i: usize) -> (Vec3, f64) {
+        let (row, column) = ((i / self.width) as f32, (i % self.width) as f32 + 0.5);
+        let (dir, sin_theta) = self.direction(column, row);
         let step = self.theta_max / (self.height - 1) as f32;
-        let phi = ((i % self.width) as f32 + 0.5) * (TAU / self.width as f32);
-        let (sin_theta, cos_theta) = ((i / self.width) as f32 * step).sin_cos();
-        let (sin_phi, cos_phi) = phi.sin_cos();
-        let dir = Vec3::new(sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta);
         let area = sin_theta * step * (TAU / self.width as f32);
         let flux = selection_weight(self.pixels[i]) * area;
-        (self.to_world * dir, f64::from(flux))
+        (dir, f64::from(flux))
+    }
+
+    /// The world direction of a place, in texels from the map's corner, and the sine of its polar angle.
+    #[inline]
+    fn direction(&self, column: f32, row: f32) -> (Vec3, f32) {
+        let phi = column * (TAU / self.width as f32);
+        let theta = row * (self.theta_max / (self.height - 1) as f32);
+        let (sin_theta, cos_theta) = theta.sin_cos();
+        let (sin_phi, cos_phi) = phi.sin_cos();
+        let dir = Vec3::new(sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta);
+        (self.to_world * dir, sin_theta)
     }
 
     /// Radiance from the world direction `dir`.
@@ -163,13 +172,9 @@ impl LatLong {
             patch.at = Vec2::new(s, t);
             density *= Self::relative(&patch, w);
         }
-        let phi = (patch.x as f32 + 0.5 + patch.at.x) * (TAU / self.width as f32);
-        let theta = (patch.y as f32 + patch.at.y) * (self.theta_max / (self.height - 1) as f32);
-        let (sin_theta, cos_theta) = theta.sin_cos();
-        let (sin_phi, cos_phi) = phi.sin_cos();
+        let column = patch.x as f32 + 0.5 + patch.at.x;
+        let (dir, sin_theta) = self.direction(column, patch.y as f32 + patch.at.y);
         let pdf = self.per_solid_angle(density, sin_theta);
-        let dir = Vec3::new(sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta);
-        let dir = self.to_world * dir;
         let above = n == Vec3::ZERO || dir.dot(n) > 0.0;
         (above && pdf > 0.0).then_some((dir, patch, pdf))
     }

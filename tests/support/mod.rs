@@ -7,11 +7,15 @@ use twintree::accel::{Backend, BuildSettings, ExactKind, ExactShape, TriangleMes
 use twintree::bsdf::{Material, MaterialId, Materials};
 use twintree::camera::{Camera, CameraDescription, FovAxis, Projection};
 use twintree::film::{Film, FilmDescription, FilmKind, filter::Filter};
+use twintree::guide::ModelKind;
 use twintree::integrate::guiding::{Guidance, Guide};
+use twintree::integrate::learn::LearnSettings;
 use twintree::integrate::render::{Limits, Observer, Progress, Summary, View, render};
 use twintree::integrate::{PathSettings, Roulette};
 use twintree::light::Emitter;
 use twintree::math::{Affine3A, DAffine3, DVec3, Rgb, Vec3};
+use twintree::photon::PhotonSettings;
+use twintree::photon::schedule::Budget;
 use twintree::scene::description::{RenderDescription, SamplerKind};
 use twintree::scene::{Description, Geometry, Mesh, Scene, Shape};
 use twintree::texture::Texture;
@@ -280,4 +284,58 @@ pub fn film_mean(film: &Film) -> (f64, f64) {
     }
     // The three channels of a grey scene are the same number: their errors add up linearly.
     (sum / count, (3.0 * variance).sqrt() / count)
+}
+
+/// How the tests learn a field.
+pub fn how(photons: u64, paths: u64) -> LearnSettings {
+    let photon = PhotonSettings {
+        max_bounces: 11,
+        roulette_after: 3,
+        seed: 5,
+    };
+    LearnSettings {
+        photons: Budget::Exactly {
+            photons,
+            batches: 6,
+        },
+        paths,
+        batches: 6,
+        memory: 32 << 20,
+        mixture: None,
+        photon,
+        // What the program takes unless it is told otherwise.
+        model: ModelKind::Gauss,
+    }
+}
+
+/// Block means of two renders agree: 4 x 4 pixels, 64 blocks; the largest of 64 normal deviates
+/// exceeds 4.2 once in a thousand tests.
+pub fn agree(what: &str, a: &Film, b: &Film) {
+    let mut worst: f64 = 0.0;
+    for by in 0..a.height() / 4 {
+        for bx in 0..a.width() / 4 {
+            let sum = |film: &Film| {
+                let mut sum = (0.0, 0.0);
+                for i in 0..16 {
+                    let pixel = film.pixel(bx * 4 + i % 4, by * 4 + i / 4);
+                    sum.0 += pixel.mean()[1];
+                    sum.1 += pixel.variance_of_mean()[1];
+                }
+                sum
+            };
+            let (sa, sb) = (sum(a), sum(b));
+            worst = worst.max((sa.0 - sb.0).abs() / (sa.1 + sb.1).sqrt());
+        }
+    }
+    let (ma, mb) = (film_mean(a), film_mean(b));
+    let z = (ma.0 - mb.0) / ma.1.hypot(mb.1);
+    println!(
+        "{what}: {:.5} +- {:.5} and {:.5} +- {:.5}, worst block {worst:.2}",
+        ma.0, ma.1, mb.0, mb.1
+    );
+    assert!(z.abs() < 3.3, "{what}: means differ by {z} standard errors");
+    assert!(
+        worst < 4.2,
+        "{what}: a block differs by {worst} standard errors"
+    );
 }

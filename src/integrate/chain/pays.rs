@@ -6,8 +6,7 @@
 //! rays, of all chances.
 
 use super::Aimed;
-use crate::integrate::record::{Arrival, Departure, Witness};
-use crate::math::Rgb;
+use crate::integrate::record::{Arrival, Witness};
 
 /// The chances that are compared.
 pub const CHANCES: [f32; 6] = [0.0, 0.0625, 0.125, 0.25, 0.5, 1.0];
@@ -42,12 +41,6 @@ pub struct Gains {
 }
 
 impl Witness for Gains {
-    fn wants(&self, _: u32) -> bool {
-        false
-    }
-    fn arrive(&mut self, _: u32, _: Rgb, _: f32) {}
-    fn leave(&mut self, _: u32, _: Departure) {}
-    fn lit(&mut self, _: u32, _: Rgb) {}
     fn aimed(&mut self, arrival: &Arrival, aimed: &Aimed) {
         self.rays += u64::from(aimed.rays);
         self.suns.extend(aimed.found.map(|found| Sun {
