@@ -1,4 +1,4 @@
-//! Suns behind glass and in mirrors: aiming at them changes the noise, never the mean.
+//! Suns and lamps behind glass and in mirrors: aiming at them changes the noise, never the mean.
 
 mod support;
 
@@ -12,11 +12,54 @@ use twintree::integrate::chain::Aiming;
 use twintree::integrate::guiding::Guide;
 use twintree::integrate::learn::{garbage, learn};
 use twintree::light::{Emitter, SunSky};
-use twintree::math::{Affine3A, Rgb, Vec3};
+use twintree::math::{Affine3A, Quat, Rgb, Vec3};
 
 /// A floor in the sun, with a ball of glass, one of metal and one of varnish over it, all moved by `aside`.
 /// The larger the sun, the easier paths meet it by themselves.
 fn balls(aside: f32, sun_degrees: Option<f32>) -> Built {
+    lit_balls(aside, |maker| {
+        if let Some(degrees) = sun_degrees {
+            maker.emitter(sun(degrees));
+        }
+    })
+}
+
+/// The same in the light of a lamp: a ball, and a disk that shines from one side.
+fn lamplit_balls(aside: f32) -> Built {
+    lit_balls(aside, |maker| {
+        let black = maker.diffuse(0.0);
+        let bulb = Vec3::new(0.9, 2.7, 0.6);
+        maker.sphere(bulb, 0.25, black, Some(20.0), false);
+        let facing = Vec3::new(0.5, -1.0, 0.2).normalize();
+        let place = Affine3A::from_translation(Vec3::new(-1.2, 2.0, -0.3))
+            * Affine3A::from_quat(Quat::from_rotation_arc(Vec3::Z, facing))
+            * Affine3A::from_scale(Vec3::splat(0.3));
+        let disk = maker.exact(ExactKind::Disk, place);
+        maker.shape(disk, black, Some(25.0), false);
+    })
+}
+
+/// A sun that is the same at a point of the floor whatever its size.
+fn sun(degrees: f32) -> Emitter {
+    Emitter::SunSky {
+        settings: SunSky {
+            sky: false,
+            sun: true,
+            sun_direction: Vec3::new(0.3, 0.9, 0.2).normalize(),
+            turbidity: 3.0,
+            albedo: Rgb::splat(0.2),
+            sky_scale: 1.0,
+            sun_scale: 20.0 / (degrees * degrees),
+            sun_radius_degrees: degrees,
+            stretch: 1.0,
+            z_up: false,
+        },
+        scale: 1.0,
+        to_world: Affine3A::IDENTITY,
+    }
+}
+
+fn lit_balls(aside: f32, light: impl FnOnce(&mut SceneMaker)) -> Built {
     let eye = Vec3::new(0.0, 2.4, -1.2);
     let mut maker = SceneMaker::new(eye, Vec3::ZERO, 50.0, 32);
     let floor = maker.diffuse(0.5);
@@ -52,25 +95,7 @@ fn balls(aside: f32, sun_degrees: Option<f32>) -> Built {
     maker.emitter(Emitter::Constant {
         radiance: Rgb::splat(0.1),
     });
-    if let Some(degrees) = sun_degrees {
-        maker.emitter(Emitter::SunSky {
-            settings: SunSky {
-                sky: false,
-                sun: true,
-                sun_direction: Vec3::new(0.3, 0.9, 0.2).normalize(),
-                turbidity: 3.0,
-                albedo: Rgb::splat(0.2),
-                sky_scale: 1.0,
-                // The same irradiance whatever its size.
-                sun_scale: 20.0 / (degrees * degrees),
-                sun_radius_degrees: degrees,
-                stretch: 1.0,
-                z_up: false,
-            },
-            scale: 1.0,
-            to_world: Affine3A::IDENTITY,
-        });
-    }
+    light(&mut maker);
     maker.build(Backend::default())
 }
 
@@ -155,6 +180,20 @@ fn whoever_aims_and_at_whatever_finds_the_unguided_mean() {
         let (plain, _) = scene.render(&other, 8192);
         let guide = aiming(&scene, &scene, 0.5);
         let (film, _) = scene.render_guided(&path, 3072, Some(&guide));
+        agree(what, &film, &plain);
+    }
+}
+
+#[test]
+fn whoever_aims_at_lamps_finds_the_unguided_mean() {
+    let scene = lamplit_balls(0.0);
+    let (plain, _) = scene.render(&path(1), 8192);
+    for (what, at) in [
+        ("lamps", &scene),
+        ("lamps of another scene", &lamplit_balls(0.15)),
+    ] {
+        let guide = aiming(&scene, at, 1.0);
+        let (film, _) = scene.render_guided(&path(2), 3072, Some(&guide));
         agree(what, &film, &plain);
     }
 }

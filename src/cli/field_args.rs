@@ -50,7 +50,7 @@ pub struct GuideArgs {
         help_heading = "Guiding"
     )]
     pub reuse: u32,
-    /// Whether guided paths aim at suns behind glass and in mirrors
+    /// Whether guided paths aim at suns and lamps behind glass and in mirrors
     #[arg(
         long,
         value_name = "WHEN",
@@ -74,7 +74,7 @@ pub enum RouletteBy {
     Throughput,
 }
 
-/// Whether paths aim at suns.
+/// Whether paths aim at suns and lamps.
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Aim {
     /// Where there are any, as often as a short trial finds worth its time

@@ -245,12 +245,12 @@ pub fn describe(learner: &Learner) {
     }
 }
 
-/// Says how often paths aim at suns.
+/// Says how often paths aim at suns and lamps.
 fn describe_aiming(guide: &Guide) {
     if let Some(aiming) = &guide.aiming {
         let share = 100.0 * aiming.chance();
         tracing::info!(
-            "aims at suns behind glass and in mirrors: {share} % of the first rough vertices"
+            "aims at suns and lamps behind glass and in mirrors: {share} % of the first rough vertices"
         );
     }
 }

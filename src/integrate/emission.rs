@@ -4,14 +4,13 @@
 //! tell. What no light sample can find (through a delta lobe, or straight from the camera) counts in full,
 //! and its density is not asked for.
 
-use super::PathSettings;
 use super::chain::Station;
 use super::vertex::Walk;
 use super::wave::{Outcome, Path};
 use crate::accel::Ray;
+use crate::light::{EmitterId, Shining};
 use crate::math::mis::power_heuristic;
 use crate::math::{Rgb, Vec3};
-use crate::scene::Scene;
 use crate::texture::SurfacePoint;
 
 /// Adds what shines from outside the scene.
@@ -36,7 +35,7 @@ pub(super) fn add_environment(
     } else {
         (
             lights.environment(ray.dir),
-            chained(walk, ray, path, stations),
+            chained(walk, path, stations, Shining::Sky(ray.dir)),
         )
     };
     if radiance == Rgb::ZERO {
@@ -46,26 +45,28 @@ pub(super) fn add_environment(
 }
 
 /// What the light counts that a path meets by a chain of mirrors and glass.
-fn chained(walk: &Walk, ray: &Ray, path: &Path, stations: &[Station]) -> f32 {
+fn chained(walk: &Walk, path: &Path, stations: &[Station], light: Shining) -> f32 {
     let aiming = walk.guide.and_then(|guide| guide.aiming());
     let (Some(aiming), Some(station)) = (aiming, stations.get(path.station as usize)) else {
         return 1.0;
     };
     aiming
         .chains()
-        .weight(walk.scene, station, path.chain, ray.dir)
+        .weight(walk.scene, station, path.chain, light)
 }
 
 /// Adds what the surface itself emits.
 pub(super) fn add_emission(
-    scene: &Scene,
-    settings: &PathSettings,
-    emitter: u32,
-    point: &SurfacePoint,
-    wo: Vec3,
+    walk: &Walk,
+    emitter: EmitterId,
+    (point, wo): (&SurfacePoint, Vec3),
     path: &Path,
+    stations: &[Station],
     outcome: &mut Outcome,
 ) {
+    let Walk {
+        scene, settings, ..
+    } = *walk;
     if path.depth == 0 && settings.hide_emitters {
         return;
     }
@@ -79,7 +80,7 @@ pub(super) fn add_emission(
         let pdf = lights.pdf_area(from, n, emitter, point.prim, point.p, point.ng);
         power_heuristic(path.pdf, pdf * path.light_chance)
     } else {
-        1.0
+        chained(walk, path, stations, Shining::Shape(emitter))
     };
     outcome.radiance += path.throughput * radiance * weight;
 }

@@ -26,7 +26,7 @@ pub struct Guide {
     pub field: Field,
     /// How often to trust it.
     pub fractions: Fractions,
-    /// How to aim at suns that no direction of the field is narrow enough for.
+    /// How to aim at suns and lamps that no direction of the field is narrow enough for.
     pub aiming: Option<Aiming>,
 }
 
@@ -135,7 +135,7 @@ impl Guide {
 }
 
 impl<'a> Guidance<'a> {
-    /// How paths aim at suns, if they do.
+    /// How paths aim at suns and lamps, if they do.
     #[inline]
     pub fn aiming(&self) -> Option<&'a Aiming> {
         match self {
@@ -182,7 +182,7 @@ impl Guide {
         self.field.bytes() + chains.unwrap_or(0)
     }
 
-    /// Lets paths aim at suns this often, if there are any to aim at.
+    /// Lets paths aim at suns and lamps this often, if there are any to aim at.
     pub fn aim(&mut self, chance: f32) {
         let aiming = self.aiming.take().map(|aiming| aiming.with_chance(chance));
         self.aiming = aiming.filter(|_| chance > 0.0);

@@ -151,12 +151,12 @@ impl Learner {
         self.verdict = Some(verdict);
     }
 
-    /// Tries how often aiming at suns pays, where no pass of an image will.
+    /// Tries how often aiming at suns and lamps pays, where no pass of an image will.
     pub fn try_aiming(&mut self, view: &View) {
         trial::aim(view, &mut self.guide);
     }
 
-    /// Takes note of how often aiming at suns pays.
+    /// Takes note of how often aiming at suns and lamps pays.
     pub fn aim(&mut self, chance: f32) {
         self.guide.aim(chance);
     }

@@ -5,7 +5,7 @@
 //! bulk (packets) and the same code runs over many vertices in a row. What happens at a vertex
 //! (emission, next-event estimation and BSDF sampling joined by multiple importance sampling, Russian
 //! roulette) is in [`vertex`]; what is worth more than expected goes on in several ways ([`forks`]); what guided paths
-//! find is shared among pixels ([`reuse`]), and suns behind glass and in mirrors are aimed at ([`chain`]).
+//! find is shared among pixels ([`reuse`]), and suns and lamps behind glass and in mirrors are aimed at ([`chain`]).
 //!
 //! Each sample's numbers come from `(seed, pixel, sample)` alone and each pixel's sum is taken in sample
 //! order, so neither the tiles nor the threads can change a bit of the image.
@@ -52,7 +52,7 @@ pub struct PathSettings {
     /// How many paths share what they find behind their first rough vertices, where a field guides (see
     /// [`reuse`]); 1: none do.
     pub reuse: u32,
-    /// Where a field guides, paths aim at suns behind mirrors and glass, too (see [`chain`]), if that pays.
+    /// Where a field guides, paths aim at suns and lamps behind mirrors and glass, too (see [`chain`]), if that pays.
     pub aim: bool,
     /// The camera itself does not see emitters.
     pub hide_emitters: bool,

@@ -77,7 +77,7 @@ impl Verdict {
     }
 }
 
-/// Renders the trial's tiles both ways. What came of it, and how often it pays to aim at suns.
+/// Renders the trial's tiles both ways. What came of it, and how often it pays to aim at suns and lamps.
 pub(super) fn trial(job: &Job, film: &FilmDescription, guide: &Guide) -> (Verdict, f32) {
     let (guided, guided_rays) = half(job, film, Some(guide));
     let (unguided, unguided_rays) = half(job, film, None);
@@ -113,7 +113,7 @@ pub(super) fn trial(job: &Job, film: &FilmDescription, guide: &Guide) -> (Verdic
     )
 }
 
-/// How often it pays to aim at suns where a view is guided by a field that was learned before.
+/// How often it pays to aim at suns and lamps where a view is guided by a field that was learned before.
 pub fn aim(view: &View, guide: &mut Guide) {
     if guide.aiming.is_none() {
         return;

@@ -105,12 +105,11 @@ pub fn visit<'s, const GUIDED: bool>(
     watched.arrive(path, hit.t);
     if surface.emitter != DARK {
         add_emission(
-            scene,
-            settings,
+            walk,
             surface.emitter,
-            &point,
-            wo,
+            (&point, wo),
             path,
+            watched.stations,
             watched.outcome,
         );
     }

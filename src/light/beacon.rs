@@ -1,49 +1,165 @@
-//! Small, very bright parts of the sky: suns.
+//! Small, very bright lights: suns and lamps.
 //!
-//! Most lights can be looked for in many directions. A sun cannot: where it is seen through glass or in a mirror, it
-//! takes a direction that is right to a fraction of a degree. Who wants to aim at it has to know where it stands.
+//! Most lights can be looked for in many directions. These cannot: where one is seen through glass or in a mirror, it
+//! takes a direction that is right to a fraction of a degree. Who wants to aim at it has to know where it is.
 
-use super::Lights;
+use super::cluster::Cluster;
 use super::distant::Distant;
-use crate::math::Vec3;
+use super::leaf::Leaf;
+use super::{EmitterId, Lights};
+use crate::accel::{Bounds, Ray};
+use crate::math::{Frame, Vec2, Vec3};
 
-/// A small part of the sky from which much of its light comes.
+/// A small light.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Beacon {
-    /// Unit direction towards its middle.
-    pub center: Vec3,
-    /// Distance of its rim from there on the unit sphere: the chord of its angular radius.
-    pub radius: f32,
+pub enum Beacon {
+    /// A part of the sky from which much of its light comes.
+    Sun {
+        /// Unit direction towards its middle.
+        center: Vec3,
+        /// Distance of its rim from there on the unit sphere: the chord of its angular radius.
+        radius: f32,
+    },
+    /// A shape that glows.
+    Lamp {
+        /// Which.
+        emitter: EmitterId,
+        /// Middle of a ball around it.
+        center: Vec3,
+        /// Radius of that.
+        radius: f32,
+    },
 }
 
-/// Largest radius: what is wider is met without being aimed at.
-const LARGEST: f32 = 0.1;
+/// Light that a ray has met.
+#[derive(Clone, Copy, Debug)]
+pub enum Shining {
+    /// The sky in a unit direction.
+    Sky(Vec3),
+    /// A shape that glows.
+    Shape(EmitterId),
+}
+
+/// Largest radius of a sun: what is wider is met without being aimed at.
+const LARGEST_SUN: f32 = 0.1;
+/// Largest radius of a lamp, relative to that of the scene.
+const LARGEST_LAMP: f32 = 0.2;
+/// Lamps that are looked at, at most: the brightest.
+const MOST_LAMPS: usize = 4;
 /// A texel belongs to a sun if it is so many times as bright as its map is on average.
 pub(super) const BRIGHT: f32 = 100.0;
-/// A sun brings at least this share of its map's light.
+/// A sun brings at least this share of its map's light, a lamp of that of all lamps.
 pub(super) const LEAST_SHARE: f32 = 0.05;
 
 impl Beacon {
-    /// That around `center`, unless it is too large for one.
-    pub(super) fn new(center: Vec3, radius: f32) -> Option<Self> {
-        (center.is_finite() && radius > 0.0 && radius <= LARGEST).then_some(Self { center, radius })
+    /// The sun around `center`, unless it is too large for one.
+    pub(super) fn sun(center: Vec3, radius: f32) -> Option<Self> {
+        (center.is_finite() && radius > 0.0 && radius <= LARGEST_SUN)
+            .then_some(Self::Sun { center, radius })
     }
 
-    /// Whether a unit direction points at it.
+    /// Whether this is where the light came from.
     #[inline]
-    pub fn contains(&self, dir: Vec3) -> bool {
-        (dir - self.center).length_squared() <= self.radius * self.radius
+    pub fn is(&self, light: Shining) -> bool {
+        match (self, light) {
+            (Self::Sun { center, radius }, Shining::Sky(dir)) => {
+                (dir - *center).length_squared() <= radius * radius
+            }
+            (Self::Lamp { emitter, .. }, Shining::Shape(met)) => *emitter == met,
+            _ => false,
+        }
+    }
+
+    /// The frame of the plane through its middle that faces a point.
+    pub fn facing(&self, from: Vec3) -> Frame {
+        match self {
+            Self::Sun { center, .. } => Frame::new(*center),
+            Self::Lamp { center, .. } => {
+                Frame::new((*center - from).try_normalize().unwrap_or(Vec3::Z))
+            }
+        }
+    }
+
+    /// Where a ray goes through that plane, in radii from the middle. `None` if it leads away.
+    pub fn crossing(&self, plane: &Frame, ray: &Ray) -> Option<Vec2> {
+        let dir = plane.to_local(ray.dir);
+        if dir.z <= 0.0 {
+            return None;
+        }
+        let slope = Vec2::new(dir.x, dir.y) / dir.z;
+        match self {
+            Self::Sun { radius, .. } => Some(slope / *radius),
+            Self::Lamp { center, radius, .. } => {
+                let org = plane.to_local(ray.org - *center);
+                (org.z < 0.0).then(|| (Vec2::new(org.x, org.y) - slope * org.z) / *radius)
+            }
+        }
     }
 }
 
 impl Lights {
-    /// All of the sky's.
+    /// All of them.
     pub fn beacons(&self) -> Vec<Beacon> {
-        let beacon = |light: &Distant| match light {
-            Distant::Sun(sun) => Beacon::new(sun.center, (2.0 * sun.one_minus_cos).sqrt()),
+        let sun = |light: &Distant| match light {
+            Distant::Sun(sun) => Beacon::sun(sun.center, (2.0 * sun.one_minus_cos).sqrt()),
             Distant::Map(map) => map.beacon(),
             Distant::Constant(_) | Distant::Parallel { .. } => None,
         };
-        self.distant.iter().filter_map(|(_, d)| beacon(d)).collect()
+        let suns = self.distant.iter().filter_map(|(_, d)| sun(d));
+        suns.chain(self.lamps()).collect()
     }
+
+    /// Shapes that are small and bright.
+    fn lamps(&self) -> Vec<Beacon> {
+        let (Some(local), Some(sources)) = (&self.local, &self.emission) else {
+            return Vec::new();
+        };
+        let (mut first, mut total) = (0, 0.0);
+        let mut lamps: Vec<(f32, Beacon)> = Vec::new();
+        // The leaves of a shape are neighbours.
+        for leaves in local.leaves.chunk_by(|a, b| a.0 == b.0) {
+            let share: f32 = (first..first + leaves.len())
+                .map(|i| sources.share(i))
+                .sum();
+            first += leaves.len();
+            total += share;
+            let (center, radius) = ball(leaves);
+            if radius > 0.0 && radius <= LARGEST_LAMP * sources.radius() {
+                let emitter = leaves[0].0;
+                let lamp = Beacon::Lamp {
+                    emitter,
+                    center,
+                    radius,
+                };
+                lamps.push((share, lamp));
+            }
+        }
+        lamps.retain(|(share, _)| *share >= LEAST_SHARE * total);
+        lamps.sort_by(|a, b| b.0.total_cmp(&a.0));
+        lamps.truncate(MOST_LAMPS);
+        lamps.into_iter().map(|(_, lamp)| lamp).collect()
+    }
+
+    /// A point of a shape that glows, chosen by `u`, and the unit normal on its bright side. `None` if it has none.
+    pub fn point_of(&self, emitter: EmitterId, u: [f32; 3]) -> Option<(Vec3, Vec3)> {
+        let leaves = &self.local.as_ref()?.leaves;
+        let first = leaves.partition_point(|l| l.0 < emitter);
+        let count = leaves[first..].partition_point(|l| l.0 == emitter);
+        let chosen = ((u[0] * count as f32) as usize).min(count.checked_sub(1)?);
+        let (p, n, _, _) = leaves[first + chosen].1.point(Vec2::new(u[1], u[2]));
+        Some((p, n))
+    }
+}
+
+/// A ball around a shape's leaves; of radius 0 if it has no extent.
+fn ball(leaves: &[(EmitterId, Leaf)]) -> (Vec3, f32) {
+    let glowing = leaves.iter().filter(|(_, leaf)| leaf.area() > 0.0);
+    let balls: Vec<Cluster> = glowing.map(|(_, leaf)| leaf.cluster(1.0)).collect();
+    let bounds = balls.iter().fold(Bounds::EMPTY, |b, ball| {
+        let half = Vec3::splat(ball.radius);
+        b.with(ball.center - half).with(ball.center + half)
+    });
+    let center = bounds.center();
+    let reach = |ball: &Cluster| ball.center.distance(center) + ball.radius;
+    (center, balls.iter().map(reach).fold(0.0, f32::max))
 }

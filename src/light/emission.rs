@@ -59,6 +59,16 @@ impl Sources {
             radius,
         })
     }
+
+    /// The share of all power that a source has.
+    pub fn share(&self, source: usize) -> f32 {
+        self.choice.probability(source)
+    }
+
+    /// Radius of a ball around the scene.
+    pub fn radius(&self) -> f32 {
+        self.radius
+    }
 }
 
 /// Power a leaf sends into the scene, as luminance.

@@ -92,7 +92,7 @@ impl LatLong {
             .fold(0.0, f32::max);
         // Values are bilinear between texels: the rim reaches to the next ones.
         let texel = (TAU / self.width as f32).max(self.theta_max / (self.height - 1) as f32);
-        Beacon::new(center, farthest + texel)
+        Beacon::sun(center, farthest + texel)
     }
 
     /// The world direction of a texel, and the light that comes from there, per area.

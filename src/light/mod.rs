@@ -36,7 +36,7 @@ mod tree;
 mod tree_build;
 mod triangle;
 
-pub use beacon::Beacon;
+pub use beacon::{Beacon, Shining};
 pub use description::{Emitter, EmitterShape, SunSky};
 pub use emission::Emission;
 

@@ -1,99 +1,68 @@
-//! Photons from suns, to find the chains by which they come.
+//! Photons from small lights, to find the chains by which they come.
 
 use super::focus::focus;
 use super::follow::{Kinds, LONGEST};
 use super::seeds::{Landed, Seed, Seeds};
+use super::window::{Window, leave};
 use super::{Chains, Place, owner};
 use crate::accel::{Hit, Ray};
 use crate::bsdf::{LobeFlags, Transport};
 use crate::integrate::guiding::is_guidable;
 use crate::light::Beacon;
 use crate::math::offset::offset_origin;
-use crate::math::warp::concentric_disk;
-use crate::math::{Frame, PathSampler, Vec2, Vec3};
+use crate::math::{PathSampler, Vec2, Vec3};
 use crate::scene::Scene;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Photons that look where glass and mirrors are.
+/// Photons of a light that look where glass and mirrors are, each time.
 const SCOUTS: u64 = 1 << 16;
-/// Photons of a sun that then go there.
+/// Times that they look, each time closer, unless so many have found something.
+const LOOKS: u32 = 3;
+/// So many.
+const ENOUGH: usize = 1024;
+/// Photons that then go there, of all lights together.
 const PHOTONS: u64 = 1 << 18;
 /// Photons in a wave: one task.
 const WAVE: u64 = 4096;
 
-/// A window that a sun shines through: part of a disk that faces it, from outside the scene.
-#[derive(Clone, Copy)]
-struct Window {
-    frame: Frame,
-    center: Vec3,
-    radius: f32,
-    min: Vec2,
-    max: Vec2,
-}
-
-/// Finds the chains that bring sunlight into a scene; `None` if there are none.
+/// Finds the chains that bring light into a scene from where it is small and bright; `None` if there are none.
 pub fn find(scene: &Scene, seed: u64) -> Option<Chains> {
-    let suns = scene.lights.beacons();
+    let beacons = scene.lights.beacons();
     let mut landed = Vec::new();
-    for (number, beacon) in suns.iter().enumerate() {
-        let sun = Sun {
+    for (number, beacon) in beacons.iter().enumerate() {
+        let light = Light {
             number: number as u32,
             beacon,
             seed,
         };
-        let Some(window) = look(scene, &sun) else {
+        let Some(window) = light.look(scene) else {
             continue;
         };
-        landed.extend(
-            sun.shine(scene, &window, PHOTONS)
-                .into_iter()
-                .map(|f| f.landed),
-        );
+        let photons = PHOTONS / beacons.len() as u64;
+        let flown = light.shine(scene, &window, photons);
+        landed.extend(flown.into_iter().map(|f| f.landed));
     }
     let covers = |seeds: &[Seed], photon: &Landed| {
-        let Seed { chain, sun, .. } = photon.seed;
-        let owner = owner(seeds, &photon.place, photon.dir, chain, sun)?;
-        let beacon = &suns[sun as usize];
-        let image = focus(scene, &photon.place, &seeds[owner], beacon, &mut 0)?;
+        let Seed { chain, beacon, .. } = photon.seed;
+        let owner = owner(seeds, &photon.place, photon.dir, chain, beacon)?;
+        let light = &beacons[beacon as usize];
+        let image = focus(scene, &photon.place, &seeds[owner], light, &mut 0)?;
         (image.pdf(photon.dir) > 0.0).then_some(owner)
     };
     let seeds = Seeds::new(landed, &covers);
-    (!seeds.is_empty()).then_some(Chains { suns, seeds })
+    (!seeds.is_empty()).then_some(Chains { beacons, seeds })
 }
 
 /// What became of a photon that came by a chain.
 struct Flown {
-    /// Where it came through the window.
+    /// The place of its light's square that it left by.
     at: Vec2,
     landed: Landed,
 }
 
-/// The part of the sky's window that chains begin behind.
-fn look(scene: &Scene, sun: &Sun) -> Option<Window> {
-    let bounds = scene.rays.bounds();
-    let all = Window {
-        frame: Frame::new(sun.beacon.center),
-        center: bounds.center(),
-        radius: bounds.radius(),
-        min: Vec2::splat(-1.0),
-        max: Vec2::ONE,
-    };
-    let flown = sun.shine(scene, &all, SCOUTS);
-    let first = flown.first()?.at;
-    let (min, max) = flown.iter().fold((first, first), |(min, max), f| {
-        (min.min(f.at), max.max(f.at))
-    });
-    let margin = (max - min) * MARGIN;
-    Some(Window {
-        min: (min - margin).max(all.min),
-        max: (max + margin).min(all.max),
-        ..all
-    })
-}
-
-/// A sun whose photons are traced.
-struct Sun<'a> {
+/// A light whose photons are traced.
+struct Light<'a> {
     number: u32,
     beacon: &'a Beacon,
     seed: u64,
@@ -109,7 +78,20 @@ struct Flight {
     last: Vec3,
 }
 
-impl Sun<'_> {
+impl Light<'_> {
+    /// The part of it that chains begin behind.
+    fn look(&self, scene: &Scene) -> Option<Window> {
+        let mut window = Window::ALL;
+        for _ in 0..LOOKS {
+            let flown = self.shine(scene, &window, SCOUTS);
+            window = Window::around(flown.iter().map(|f| f.at))?;
+            if flown.len() >= ENOUGH {
+                break;
+            }
+        }
+        Some(window)
+    }
+
     /// Photons through a window; those that came by chains, in order.
     fn shine(&self, scene: &Scene, window: &Window, count: u64) -> Vec<Flown> {
         let waves: Vec<u64> = (0..count).step_by(WAVE as usize).collect();
@@ -118,27 +100,25 @@ impl Sun<'_> {
         flown.into_iter().flatten().collect()
     }
 
-    fn start(&self, window: &Window, photon: u64) -> (Ray, Flight) {
-        let mut sampler =
-            PathSampler::independent(self.seed, photon, u64::from(self.number) ^ CHAINS);
-        let u = sampler.next4();
-        let at = window.min + (window.max - window.min) * Vec2::new(u[0], u[1]);
-        let off = concentric_disk(Vec2::new(u[2], u[3])) * self.beacon.radius;
-        let dir = -window.frame.to_world(off.extend(1.0)).normalize();
-        let from = window.center + window.frame.to_world(at.extend(0.0)) * window.radius;
-        let ray = Ray::new(from - dir * (2.0 * window.radius), dir);
+    fn start(&self, scene: &Scene, window: &Window, photon: u64) -> Option<(Ray, Flight)> {
+        let number = u64::from(self.number) ^ CHAINS;
+        let mut sampler = PathSampler::independent(self.seed, photon, number);
+        let [u, v] = [sampler.next4(), sampler.next4()];
+        let at = window.sample(Vec2::new(u[0], u[1]));
+        let ray = leave(scene, self.beacon, at, [v[0], u[2], u[3]])?;
         let flight = Flight {
             at,
             sampler,
             chain: Kinds::EMPTY,
             last: Vec3::ZERO,
         };
-        (ray, flight)
+        Some((ray, flight))
     }
 
     fn wave(&self, scene: &Scene, window: &Window, range: Range<u64>) -> Vec<Flown> {
-        let (mut rays, mut flights): (Vec<Ray>, Vec<Flight>) =
-            range.map(|photon| self.start(window, photon)).unzip();
+        let (mut rays, mut flights): (Vec<Ray>, Vec<Flight>) = range
+            .filter_map(|photon| self.start(scene, window, photon))
+            .unzip();
         let (mut hits, mut flown) = (Vec::new(), Vec::new());
         while !rays.is_empty() {
             hits.resize(rays.len(), Hit::NONE);
@@ -181,7 +161,7 @@ impl Sun<'_> {
                 seed: Seed {
                     point: flight.last,
                     chain: flight.chain,
-                    sun: self.number,
+                    beacon: self.number,
                     weight: 1.0,
                 },
             };
@@ -203,7 +183,5 @@ impl Sun<'_> {
     }
 }
 
-/// How much wider the window is than what the scouts saw, on each side.
-const MARGIN: f32 = 0.05;
 /// Sets these photons' numbers apart from others'.
 const CHAINS: u64 = 0x7f4a_7c15_9e37_79b9;

@@ -1,4 +1,4 @@
-//! Newton's method: from a seed to the sun's image.
+//! Newton's method: from a seed to the light's image.
 
 use super::Place;
 use super::follow::{Cone, Kinds, follow_all};
@@ -15,7 +15,7 @@ const STEPS: u32 = 6;
 /// Angle over which derivatives are measured: well below the angle under which a rounded edge is seen, and well above
 /// the rounding errors of hits and normals.
 const DIFFERENCE: f32 = 2e-4;
-/// The middle of the sun is met to this part of its radius.
+/// The middle of a light is met to this part of its radius.
 const CLOSE: f32 = 0.25;
 /// Longest step, and how far an image may lie from where its seed is seen, as a tangent.
 const FARTHEST: f32 = 0.35;
@@ -24,13 +24,13 @@ pub const FARTHEST_COSINE: f32 = 0.9;
 /// The image is taken for larger by this factor: it is no exact ellipse.
 const MARGIN: f32 = 1.2;
 
-/// The sun's image, as far as it is linear: an ellipse in the plane that touches the unit sphere at `frame.n`.
+/// The light's image, as far as it is linear: an ellipse in the plane that touches the unit sphere at `frame.n`.
 #[derive(Clone, Copy, Debug)]
 pub struct Focus {
     frame: Frame,
     /// A place of the plane.
     at: Vec2,
-    /// Where the chain leads from there, in the plane that touches the sphere at the sun, in its radii.
+    /// Where the chain leads from there, in the plane of the light, in its radii.
     out: Vec2,
     /// Derivative of that.
     derivative: Mat2,
@@ -67,11 +67,11 @@ struct View<'v> {
     scene: &'v Scene,
     place: &'v Place,
     chain: Kinds,
-    sun: &'v Beacon,
+    light: &'v Beacon,
     /// Where the seed is seen.
     frame: Frame,
-    /// Where the sun is.
-    sky: Frame,
+    /// The plane of the light, as soon as it is known from where the chain shines on it.
+    plane: Option<Frame>,
     traced: &'v mut u32,
 }
 
@@ -82,12 +82,13 @@ impl View<'_> {
         let dirs = at.map(|at| self.frame.to_world(at.extend(1.0)).normalize());
         let rays = dirs.map(|dir| self.place.ray(dir));
         follow_all(self.scene, rays, self.chain, Cone::NONE, false).map(|arrived| {
-            let local = self.sky.to_local(arrived?.ray.dir);
-            (local.z > 0.0).then(|| Vec2::new(local.x, local.y) / (local.z * self.sun.radius))
+            let ray = arrived?.ray;
+            let plane = self.plane.get_or_insert_with(|| self.light.facing(ray.org));
+            self.light.crossing(plane, &ray)
         })
     }
 
-    /// The derivative of that at a place which leads to `out`, and its inverse, where an image of the sun's size is small.
+    /// The derivative of that at a place which leads to `out`, and its inverse, where an image of the light's size is small.
     fn slope(&mut self, at: Vec2, out: Vec2) -> Option<(Mat2, Mat2)> {
         let [x, y] = self.lead([Vec2::X, Vec2::Y].map(|axis| at + axis * DIFFERENCE));
         let derivative = Mat2::from_cols(x? - out, y? - out) * DIFFERENCE.recip();
@@ -98,13 +99,13 @@ impl View<'_> {
     }
 }
 
-/// Brings the sun into focus that `seed` tells of, as seen from a place. `None` where it is not seen, or not as an
+/// Brings the light into focus that `seed` tells of, as seen from a place. `None` where it is not seen, or not as an
 /// image that is nearly linear. Adds the rays that it takes to `traced`.
 pub fn focus(
     scene: &Scene,
     place: &Place,
     seed: &Seed,
-    sun: &Beacon,
+    light: &Beacon,
     traced: &mut u32,
 ) -> Option<Focus> {
     let to = (seed.point - place.position).try_normalize()?;
@@ -112,9 +113,9 @@ pub fn focus(
         scene,
         place,
         chain: seed.chain,
-        sun,
+        light,
         frame: Frame::new(to),
-        sky: Frame::new(sun.center),
+        plane: None,
         traced,
     };
     let mut at = Vec2::ZERO;

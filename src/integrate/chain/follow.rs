@@ -79,6 +79,12 @@ impl Cone {
         width: 0.0,
         spread: 0.0,
     };
+
+    /// Widens it over a distance.
+    #[inline]
+    pub fn grow(&mut self, distance: f32) {
+        self.width += self.spread * distance;
+    }
 }
 
 /// Where a chain leads.
@@ -88,6 +94,8 @@ pub struct Arrived {
     pub ray: Ray,
     /// What the lobes let through.
     pub weight: Rgb,
+    /// What the ray stands for.
+    pub cone: Cone,
 }
 
 /// The delta lobe of a kind, with its value instead of a weight.
@@ -103,21 +111,14 @@ fn lobe(bsdf: &Bsdf, wo: Vec3, kind: u32) -> Option<BsdfSample> {
 }
 
 /// Where the ray goes on from what it met, by a lobe of the kind.
-fn pass(
-    scene: &Scene,
-    arrived: &Arrived,
-    hit: &Hit,
-    kind: u32,
-    cone: &mut Cone,
-    strict: bool,
-) -> Option<Arrived> {
+fn pass(scene: &Scene, arrived: Arrived, hit: &Hit, kind: u32, strict: bool) -> Option<Arrived> {
     if !hit.is_some() {
         return None;
     }
-    let ray = &arrived.ray;
+    let Arrived { ray, mut cone, .. } = arrived;
     let wo = -ray.dir;
-    cone.width += cone.spread * hit.t;
-    let point = scene.surfaces.point(ray, hit, cone.width);
+    cone.grow(hit.t);
+    let point = scene.surfaces.point(&ray, hit, cone.width);
     let surface = &scene.surfaces.list[hit.shape as usize];
     let bsdf = scene
         .surfaces
@@ -133,6 +134,7 @@ fn pass(
             sample.wi,
         ),
         weight: arrived.weight * sample.weight,
+        cone,
     })
 }
 
@@ -151,17 +153,15 @@ pub fn follow_all<const N: usize>(
 ) -> [Option<Arrived>; N] {
     let mut all = rays.map(|ray| {
         let weight = Rgb::ONE;
-        Some(Arrived { ray, weight })
+        Some(Arrived { ray, weight, cone })
     });
-    let mut cones = [cone; N];
     let mut kinds = chain.0;
     while kinds != 0 {
         let rays = all.map(|a| a.map_or(NOWHERE, |a| a.ray));
         let mut hits = [Hit::NONE; N];
         scene.rays.intersect_batch(&rays, &mut hits);
         for i in 0..N {
-            all[i] =
-                all[i].and_then(|a| pass(scene, &a, &hits[i], kinds & 3, &mut cones[i], strict));
+            all[i] = all[i].and_then(|a| pass(scene, a, &hits[i], kinds & 3, strict));
         }
         if all.iter().all(Option::is_none) {
             break;

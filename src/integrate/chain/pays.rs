@@ -1,6 +1,6 @@
 //! Does aiming pay, and how often?
 //!
-//! Every sun that is found by aiming tells what it would have cost to leave it to the path: what has the density `b`
+//! Every light that is found by aiming tells what it would have cost to leave it to the path: what has the density `b`
 //! there and brings `x` adds `x^2 / b` to the second moment of a sample, and `x^2 / (b + s a)` where it is
 //! aimed at with density `a` and chance `s` as well (balance heuristic). So one trial tells the variance, and the
 //! rays, of all chances.
@@ -13,7 +13,7 @@ pub const CHANCES: [f32; 6] = [0.0, 0.0625, 0.125, 0.25, 0.5, 1.0];
 /// The chance before the trial.
 pub const FIRST: f32 = 0.125;
 
-/// A sun that a path met by itself with so small a density that its sample would be this many times the image's
+/// A light that a path met by itself with so small a density that its sample would be this many times the image's
 /// radiance counts as one of this many times: it is so rare that it spoils few pixels. (Relative variance of a sample
 /// without the worst 0.1 % of the pixels, 64 samples, never aimed and with a chance of 0.25, measured: torus
 /// 2.3, 0.8; lux-pool 8.8, 5.7; a kitchen 3.3, 3.4. Foretold with a bound of 30, 100 and none: torus 1.1, 2.8,
@@ -22,9 +22,9 @@ const BRIGHTEST: f64 = 50.0;
 /// No chance is expected to leave less of the variance than this.
 const LEAST_LEFT: f64 = 0.5;
 
-/// A sun that was found.
+/// A light that was found.
 #[derive(Clone, Copy, Debug)]
-struct Sun {
+struct Light {
     /// What it brings, before it is divided by a density.
     brings: f64,
     /// Density with which it was aimed at.
@@ -36,14 +36,14 @@ struct Sun {
 /// What aiming brought, and what it took.
 #[derive(Clone, Debug, Default)]
 pub struct Gains {
-    suns: Vec<Sun>,
+    lights: Vec<Light>,
     rays: u64,
 }
 
 impl Witness for Gains {
     fn aimed(&mut self, arrival: &Arrival, aimed: &Aimed) {
         self.rays += u64::from(aimed.rays);
-        self.suns.extend(aimed.found.map(|found| Sun {
+        self.lights.extend(aimed.found.map(|found| Light {
             brings: f64::from((arrival.throughput * found.radiance).length()) / 3f64.sqrt(),
             aimed: f64::from(found.pdf),
             met: f64::from(found.path_pdf),
@@ -51,7 +51,7 @@ impl Witness for Gains {
     }
 }
 
-impl Sun {
+impl Light {
     /// What it adds to the second moment of all samples together at this chance, where it is `brightest` at most.
     fn moment(&self, chance: f32, brightest: f64) -> f64 {
         let density = self.met + self.aimed * f64::from(chance / FIRST);
@@ -60,11 +60,14 @@ impl Sun {
 }
 
 impl Gains {
-    /// For each of [`CHANCES`], the second moment that the suns add to all samples of a tile whose radiance is of the
+    /// For each of [`CHANCES`], the second moment that the lights add to all samples of a tile whose radiance is of the
     /// order of `mean`, relative to that.
     fn moments(&self, mean: f64) -> [f64; CHANCES.len()] {
         let sum = |chance| -> f64 {
-            let moments = self.suns.iter().map(|s| s.moment(chance, BRIGHTEST * mean));
+            let moments = self
+                .lights
+                .iter()
+                .map(|s| s.moment(chance, BRIGHTEST * mean));
             moments.filter(|m| m.is_finite()).sum()
         };
         CHANCES.map(|chance| sum(chance) / (mean * mean))
@@ -74,7 +77,7 @@ impl Gains {
 /// A trial at the chance [`FIRST`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Trial {
-    /// What the suns add to the second moment of all samples together, for each of [`CHANCES`].
+    /// What the lights add to the second moment of all samples together, for each of [`CHANCES`].
     moments: [f64; CHANCES.len()],
     /// Rays that aiming took.
     aiming: u64,
@@ -122,13 +125,13 @@ mod tests {
     #[test]
     fn what_is_hard_to_meet_is_aimed_at_and_not_more_often_than_it_is_worth() {
         // Left to paths it doubles the second moment; aimed at, it adds next to nothing.
-        let sun = Sun {
+        let light = Light {
             brings: 1.0,
             aimed: 1000.0,
             met: 1e-3,
         };
         let gains = Gains {
-            suns: vec![sun; 20_000],
+            lights: vec![light; 20_000],
             rays: 0,
         };
         let moments = gains.moments(1.0);

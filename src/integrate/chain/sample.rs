@@ -1,13 +1,16 @@
-//! Sunlight by a chain, sampled at a rough vertex.
+//! Light by a chain, sampled at a rough vertex.
 
 use super::focus::focus;
-use super::follow::{Cone, follow};
+use super::follow::{Arrived, Cone, follow};
 use super::{Chains, Place, owner, total};
+use crate::accel::Hit;
 use crate::bsdf::Transport;
 use crate::integrate::next_event::crosses;
 use crate::integrate::vertex::{Vertex, Walk};
+use crate::light::{Beacon, Shining};
 use crate::math::mis::power_heuristic;
 use crate::math::{Rgb, Vec2};
+use crate::scene::Scene;
 
 /// What is to be sampled.
 pub(in crate::integrate) struct Request<'v, 's> {
@@ -23,7 +26,7 @@ pub(in crate::integrate) struct Request<'v, 's> {
     pub cone: Cone,
 }
 
-/// A sun that was found.
+/// A light that was found.
 #[derive(Clone, Copy, Debug)]
 pub struct Found {
     /// Radiance that the vertex reflects, before it is divided by a density.
@@ -44,14 +47,14 @@ impl Found {
 /// What came of aiming.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Aimed {
-    /// The sun.
+    /// The light.
     pub found: Option<Found>,
     /// Rays that it took.
     pub rays: u32,
 }
 
 impl Chains {
-    /// Samples sunlight that arrives at a vertex by a chain. `u` are three uniform numbers: one chooses the seed, two the
+    /// Samples light that arrives at a vertex by a chain. `u` are three uniform numbers: one chooses the seed, two the
     /// place in the image.
     pub(in crate::integrate) fn sample(&self, request: &Request, u: [f32; 3]) -> Aimed {
         let mut rays = 0;
@@ -78,12 +81,12 @@ impl Chains {
         if seed.chain.len() > request.most {
             return None;
         }
-        let sun = &self.suns[seed.sun as usize];
-        let image = focus(scene, place, seed, sun, rays)?;
+        let beacon = &self.beacons[seed.beacon as usize];
+        let image = focus(scene, place, seed, beacon, rays)?;
         let (dir, image_pdf) = image.sample(Vec2::new(u[1], u[2]));
         let pdf = image_pdf * (place.weight(seed) / total * request.chance);
         let usable = pdf > 0.0 && pdf.is_finite();
-        if !usable || owner(seeds, place, dir, seed.chain, seed.sun) != Some(chosen) {
+        if !usable || owner(seeds, place, dir, seed.chain, seed.beacon) != Some(chosen) {
             return None;
         }
         let strict = walk.settings.strict_normals;
@@ -97,19 +100,36 @@ impl Chains {
         }
         *rays += seed.chain.len() + 1;
         let arrived = follow(scene, place.ray(dir), seed.chain, request.cone, strict)?;
-        if !sun.contains(arrived.ray.dir) {
-            return None;
-        }
-        let mut blocked = [false];
-        scene.rays.occluded_batch(&[arrived.ray], &mut blocked);
-        if blocked[0] {
-            return None;
-        }
-        let radiance = f * (arrived.weight * scene.lights.environment(arrived.ray.dir));
+        let radiance = f * (arrived.weight * shining(scene, beacon, &arrived)?);
         Some(Found {
             radiance,
             pdf,
             path_pdf: vertex.guided.map_or(bsdf_pdf, |g| g.pdf(dir, bsdf_pdf)),
         })
     }
+}
+
+/// What a light sends along the end of a chain, if the chain ends there.
+fn shining(scene: &Scene, beacon: &Beacon, arrived: &Arrived) -> Option<Rgb> {
+    let Arrived { ray, mut cone, .. } = *arrived;
+    if let Beacon::Sun { .. } = beacon {
+        if !beacon.is(Shining::Sky(ray.dir)) {
+            return None;
+        }
+        let mut blocked = [false];
+        scene.rays.occluded_batch(&[ray], &mut blocked);
+        return (!blocked[0]).then(|| scene.lights.environment(ray.dir));
+    }
+    let mut hits = [Hit::NONE];
+    scene.rays.intersect_batch(&[ray], &mut hits);
+    let hit = &hits[0];
+    let emitter = hit
+        .is_some()
+        .then(|| scene.surfaces.list[hit.shape as usize].emitter)?;
+    if !beacon.is(Shining::Shape(emitter)) {
+        return None;
+    }
+    cone.grow(hit.t);
+    let point = scene.surfaces.point(&ray, hit, cone.width);
+    Some(scene.lights.emitted(emitter, &point, -ray.dir))
 }

@@ -1,4 +1,4 @@
-//! Where chains begin: what photons from suns have met last before they landed, region by region.
+//! Where chains begin: what photons from small lights have met last before they landed, region by region.
 
 use super::Place;
 use super::follow::Kinds;
@@ -12,8 +12,8 @@ pub struct Seed {
     pub point: Vec3,
     /// What follows.
     pub chain: Kinds,
-    /// The sun at its end.
-    pub sun: u32,
+    /// The light at its end.
+    pub beacon: u32,
     /// Photons that came so.
     pub weight: f32,
 }
