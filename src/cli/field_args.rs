@@ -58,6 +58,15 @@ pub struct GuideArgs {
         help_heading = "Guiding"
     )]
     pub aim: Aim,
+    /// Whether pixels that are noisier take more of the samples, where the first samples teach a field; --spp then is
+    /// what they take on average
+    #[arg(
+        long,
+        value_name = "WHEN",
+        default_value = "auto",
+        help_heading = "Guiding"
+    )]
+    pub adaptive: Adaptive,
 }
 
 /// How many paths share what they find, unless told otherwise.
@@ -80,6 +89,15 @@ pub enum Aim {
     /// Where there are any, as often as a short trial finds worth its time
     Auto,
     /// Never: they are left to what the field knows
+    Never,
+}
+
+/// Whether noisy pixels take more samples.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Adaptive {
+    /// Where camera paths teach a field: their noise tells which pixels need more
+    Auto,
+    /// Never: each takes as many
     Never,
 }
 

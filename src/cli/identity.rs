@@ -131,6 +131,7 @@ fn settings(args: &RenderArgs, subject: &Subject, limits: &Limits) -> Vec<(Strin
         add("--roulette", &args.guide.roulette);
         add("--reuse", &args.guide.reuse);
         add("--aim", &args.guide.aim);
+        add("--adaptive", &args.guide.adaptive);
     }
     list
 }

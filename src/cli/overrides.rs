@@ -1,7 +1,7 @@
 //! What the command line changes about a scene.
 
 use super::args::{LightArgs, PictureArgs, RFilter, RenderArgs, Sampler, StopArgs};
-use super::field_args::{Aim, GuideArgs, GuideModel, LearnArgs, RouletteBy, Teachers};
+use super::field_args::{Adaptive, Aim, GuideArgs, GuideModel, LearnArgs, RouletteBy, Teachers};
 use super::{Failure, memory};
 use crate::film::filter::Filter;
 use crate::film::{FilmDescription, Pixel};
@@ -124,6 +124,7 @@ pub fn path_settings(args: &LightArgs, scene: &RenderDescription) -> PathSetting
         roulette: Roulette::default(),
         reuse: 1,
         aim: false,
+        adaptive: false,
         hide_emitters: args.hide_emitters || scene.hide_emitters,
         strict_normals: args.strict_normals || scene.strict_normals,
         sampler: match args.sampler {
@@ -141,6 +142,7 @@ pub fn guided_path_settings(args: &RenderArgs, scene: &RenderDescription) -> Pat
         roulette: roulette(&args.guide),
         reuse: args.guide.reuse,
         aim: args.guide.aim == Aim::Auto,
+        adaptive: args.guide.adaptive == Adaptive::Auto,
         ..path_settings(&args.light, scene)
     }
 }

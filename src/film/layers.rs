@@ -188,6 +188,7 @@ mod tests {
                     let s = Sample {
                         radiance: Rgb::new(x, y, radiance),
                         weight: 1.0,
+                        worth: 1.0,
                         albedo: Rgb::splat(0.25),
                         normal: Vec3::Y,
                         depth: 7.0,

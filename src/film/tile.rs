@@ -6,12 +6,14 @@ use crate::math::{Rgb, Vec3};
 pub const TILE_SIZE: u32 = 16;
 
 /// What one sample gives a pixel.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// Radiance.
     pub radiance: Rgb,
     /// Weight by the reconstruction filter; of either sign.
     pub weight: f32,
+    /// How many samples it stands for: not 1 where pixels take more or fewer than others.
+    pub worth: f32,
     /// Reflectance of the first surface.
     pub albedo: Rgb,
     /// Its shading normal, world space.
@@ -20,15 +22,33 @@ pub struct Sample {
     pub depth: f32,
 }
 
+impl Default for Sample {
+    /// One that counts like any other and met nothing.
+    fn default() -> Self {
+        Self {
+            radiance: Rgb::ZERO,
+            weight: 1.0,
+            worth: 1.0,
+            albedo: Rgb::ZERO,
+            normal: Vec3::ZERO,
+            depth: 0.0,
+        }
+    }
+}
+
 /// Sums over the samples of a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pixel {
-    /// Sum of weight times radiance.
+    /// Sum of worth times weight times radiance.
     pub radiance: [f64; 3],
     /// Sum of its squares.
     pub squares: [f64; 3],
-    /// Sum of weights.
+    /// Sum of worth times weight.
     pub weight: f64,
+    /// Sum of worth.
+    pub worth: f64,
+    /// Sum of its squares.
+    pub worth_squares: f64,
     /// Samples, those dropped not counted.
     pub count: u64,
     /// Sum of reflectances.
@@ -47,6 +67,8 @@ impl Pixel {
         radiance: [0.0; 3],
         squares: [0.0; 3],
         weight: 0.0,
+        worth: 0.0,
+        worth_squares: 0.0,
         count: 0,
         albedo: [0.0; 3],
         normal: [0.0; 3],
@@ -57,15 +79,19 @@ impl Pixel {
     /// Adds a finite sample.
     #[inline]
     pub fn add(&mut self, s: &Sample) {
+        let worth = f64::from(s.worth);
+        // In f64: the product of two finite f32 would overflow beyond 3.4e38.
+        let weight = worth * f64::from(s.weight);
         for c in 0..3 {
-            // In f64: the product of two finite f32 would overflow beyond 3.4e38.
-            let value = f64::from(s.radiance[c]) * f64::from(s.weight);
+            let value = f64::from(s.radiance[c]) * weight;
             self.radiance[c] += value;
             self.squares[c] += value * value;
             self.albedo[c] += f64::from(s.albedo[c]);
             self.normal[c] += f64::from(s.normal[c]);
         }
-        self.weight += f64::from(s.weight);
+        self.weight += weight;
+        self.worth += worth;
+        self.worth_squares += worth * worth;
         self.count += 1;
         if s.depth > 0.0 {
             self.depth += f64::from(s.depth);
@@ -84,15 +110,17 @@ impl Pixel {
     }
 
     /// Variance of [`Pixel::mean`] over renders with other seeds, estimated from the spread of the
-    /// samples; 0 with fewer than two.
+    /// samples; 0 with fewer than two. (With `w` for their worth, `S w^2 (x - mean)^2 / (S w)^2`, and the usual
+    /// `n / (n - 1)`: that is the variance of a mean by weights that do not depend on the samples.)
     pub fn variance_of_mean(&self) -> [f64; 3] {
         if self.count < 2 {
             return [0.0; 3];
         }
         let n = self.count as f64;
+        let scale = self.worth_squares / (self.worth * self.worth) * (n / (n - 1.0));
         std::array::from_fn(|c| {
-            let mean = self.radiance[c] / n;
-            (self.squares[c] / n - mean * mean).max(0.0) / (n - 1.0)
+            let mean = self.radiance[c] / self.worth;
+            (self.squares[c] / self.worth_squares - mean * mean).max(0.0) * scale
         })
     }
 }
@@ -136,7 +164,8 @@ impl Tile {
         let finite = colors
             & sample.normal.is_finite()
             & sample.depth.is_finite()
-            & sample.weight.is_finite();
+            & sample.weight.is_finite()
+            & sample.worth.is_finite();
         if finite {
             self.pixels[i].add(sample);
             return;

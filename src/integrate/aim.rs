@@ -1,4 +1,4 @@
-//! Who aims at suns, and how often.
+//! Who aims at suns and lamps, and how often.
 //!
 //! Rough vertices of guided paths do that some chain leads to (see [`super::chain`]), with a chance that a trial
 //! found to pay.

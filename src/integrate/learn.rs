@@ -146,6 +146,11 @@ impl Learner {
         self.taught < self.paths && self.worthwhile_guide().is_some()
     }
 
+    /// Whether camera paths teach it.
+    pub fn has_taken_paths(&self) -> bool {
+        self.taught > 0
+    }
+
     /// Takes note of whether guiding pays.
     pub fn judge(&mut self, verdict: Verdict) {
         self.verdict = Some(verdict);

@@ -10,6 +10,7 @@
 //! Each sample's numbers come from `(seed, pixel, sample)` alone and each pixel's sum is taken in sample
 //! order, so neither the tiles nor the threads can change a bit of the image.
 
+pub mod adaptive;
 mod aim;
 pub mod cells;
 pub mod chain;
@@ -54,6 +55,8 @@ pub struct PathSettings {
     pub reuse: u32,
     /// Where a field guides, paths aim at suns and lamps behind mirrors and glass, too (see [`chain`]), if that pays.
     pub aim: bool,
+    /// Where a field is learned from the image's first samples, the later ones are spread by noise (see [`adaptive`]).
+    pub adaptive: bool,
     /// The camera itself does not see emitters.
     pub hide_emitters: bool,
     /// Drop light that crosses a surface by its shading normal only.

@@ -1,13 +1,14 @@
 //! The loop around everything: passes of samples over tiles of the film, until enough.
 
 use super::PathSettings;
+use super::adaptive::{Shares, TileShares};
 use super::guiding::Guidance;
 use super::learn::Learner;
 use super::record::Witness;
 use super::reuse::Origin;
 use super::teach::teach;
 use super::vertex::Walk;
-use super::wave::{Outcome, Wave};
+use super::wave::{Outcome, Outcomes, Wave};
 use crate::camera::{Camera, CameraRay};
 use crate::film::filter::FilterSampler;
 use crate::film::{Film, FilmDescription, Sample, Tile};
@@ -174,14 +175,15 @@ pub fn resume(
     let start = Instant::now();
     let elapsed = || before.time + start.elapsed().saturating_sub(observer.time_aside());
     let job = Job::new(view, observer, before.rays);
-    if let Some(learner) = learner.as_deref_mut() {
-        teach(&job, learner, film, limits, &elapsed);
-    }
+    let shares = learner
+        .as_deref_mut()
+        .and_then(|learner| teach(&job, learner, film, limits, &elapsed));
     let job = Job {
         view: View {
             guide: learner.map_or(view.guide, |l| l.worthwhile_guide().map(Into::into)),
             ..*view
         },
+        shares,
         ..job
     };
     let mut spp = film.spp_done();
@@ -262,6 +264,8 @@ pub(super) struct Job<'a> {
     pub(super) view: View<'a>,
     filter: FilterSampler,
     pub(super) observer: &'a dyn Observer,
+    /// How samples are spread over the pixels; `None`: evenly.
+    shares: Option<Shares>,
     /// Rays that an earlier go has traced.
     rays_before: u64,
     /// Buffers not in use.
@@ -274,6 +278,7 @@ impl<'a> Job<'a> {
             view: *view,
             filter: FilterSampler::new(view.film.filter),
             observer,
+            shares: None,
             rays_before,
             waves: Mutex::new(Vec::new()),
         }
@@ -298,8 +303,9 @@ impl<'a> Job<'a> {
     fn pass(&self, film: &mut Film, end: u64) -> bool {
         film.tiles_mut()
             .par_iter_mut()
+            .enumerate()
             .with_max_len(1)
-            .for_each(|tile| {
+            .for_each(|(number, tile)| {
                 let range = tile.done..end;
                 if !tile.is_held() || range.is_empty() {
                     return;
@@ -307,48 +313,61 @@ impl<'a> Job<'a> {
                 if self.observer.should_stop() || self.observer.should_pause() {
                     return;
                 }
-                self.render_tile(&self.view.walk(), tile, range, &mut (), |(), _| {});
+                let part = Part {
+                    samples: range,
+                    shares: self.shares.as_ref().map(|shares| &shares[number]),
+                };
+                self.render_tile(&self.view.walk(), tile, part, &mut (), |(), _, _| {});
             });
         film.held().all(|t| t.done >= end)
     }
 
-    /// Takes the samples `range` of a tile's pixels, a wave at a time, and adds those that the tile lacks,
-    /// if the film holds it. All samples of a pixel's share of a wave stand next to each other: their
+    /// Takes samples of a tile's pixels, a wave at a time, and adds those that the tile lacks,
+    /// if the film holds it. All paths of a pixel's share of a wave stand next to each other: their
     /// camera rays make coherent packets. `conclude` sees every wave's outcomes after `witness` has
     /// watched it.
     pub(super) fn take_samples<W: Witness>(
         &self,
         walk: &Walk,
         tile: &mut Tile,
-        range: Range<u64>,
+        part: Part,
         witness: &mut W,
-        mut conclude: impl FnMut(&mut W, &[Outcome]),
+        mut conclude: impl FnMut(&mut W, &Outcomes, &[Start]),
     ) {
         // A thread that panicked left a wave behind that nobody will read: go on with a new one.
         let idle = self.waves.lock().map_or(None, |mut w| w.pop());
         let mut wave = idle.unwrap_or_default();
-        let pixels = tile.area() as u64;
-        let per_wave = (WAVE_SAMPLES / pixels).max(1);
-        let mut from = range.start;
-        let mut weights = Vec::new();
-        while from < range.end {
-            let to = (from + per_wave).min(range.end);
+        let per_wave = part.samples_of(WAVE_SAMPLES, tile);
+        let mut from = part.samples.start;
+        let (mut starts, mut origins) = (Vec::new(), Vec::new());
+        while from < part.samples.end {
+            let to = (from + per_wave).min(part.samples.end);
             wave.clear();
-            weights.clear();
-            for i in 0..pixels as u32 {
-                let (x, y) = (tile.x0 + i % tile.width, tile.y0 + i / tile.width);
+            starts.clear();
+            for pixel in 0..tile.area() as u32 {
+                let (x, y) = (tile.x0 + pixel % tile.width, tile.y0 + pixel / tile.width);
                 for sample in from..to {
-                    weights.push(self.start(x, y, sample, &mut wave));
+                    let (paths, worth) = part.paths(pixel, sample);
+                    for (way, path) in paths.enumerate() {
+                        let (ray, sampler, weight) =
+                            first_ray(&self.view, &self.filter, [x, y], path);
+                        wave.push(ray, sampler);
+                        starts.push(Start {
+                            pixel,
+                            sample,
+                            way: way as u32,
+                            path,
+                            weight,
+                            worth,
+                        });
+                    }
                 }
             }
-            let origin = Origin {
-                seed: self.view.settings.seed,
-                samples: (to - from) as u32,
-                first: from,
-            };
-            let outcomes = wave.trace_image(walk, witness, &origin);
-            conclude(witness, outcomes.own);
-            add(tile, from..to, outcomes.image, &weights);
+            origins.clear();
+            origins.extend(starts.iter().map(Start::origin));
+            let outcomes = wave.trace_image(walk, witness, &origins);
+            conclude(witness, &outcomes, &starts);
+            add(tile, outcomes.image, &starts);
             from = to;
         }
         if let Ok(mut waves) = self.waves.lock() {
@@ -361,38 +380,85 @@ impl<'a> Job<'a> {
         &self,
         walk: &Walk,
         tile: &mut Tile,
-        range: Range<u64>,
+        part: Part,
         witness: &mut W,
-        conclude: impl FnMut(&mut W, &[Outcome]),
+        conclude: impl FnMut(&mut W, &Outcomes, &[Start]),
     ) {
-        let end = range.end;
-        self.take_samples(walk, tile, range, witness, conclude);
+        let end = part.samples.end;
+        self.take_samples(walk, tile, part, witness, conclude);
         if tile.is_held() && tile.done < end {
             let samples = (end - tile.done) * tile.area() as u64;
             self.observer.tile_done(samples);
             tile.done = end;
         }
     }
+}
 
-    /// Starts a sample of pixel `(x, y)` and returns its filter weight.
+/// Samples of a tile.
+#[derive(Clone, Debug)]
+pub(super) struct Part<'s> {
+    /// Their numbers.
+    pub samples: Range<u64>,
+    /// How many paths each pixel takes for them; `None`: one.
+    pub shares: Option<&'s TileShares>,
+}
+
+impl Part<'_> {
+    /// How many samples of a tile take about so many paths; at least one.
+    fn samples_of(&self, paths: u64, tile: &Tile) -> u64 {
+        let area = tile.area() as f32;
+        let per_sample = self.shares.map_or(area, TileShares::per_sample);
+        ((paths as f32 / per_sample) as u64).max(1)
+    }
+
+    /// The paths of a pixel for a sample, and how many samples each is worth.
     #[inline]
-    fn start(&self, x: u32, y: u32, sample: u64, wave: &mut Wave) -> f32 {
-        let (ray, sampler, weight) = first_ray(&self.view, &self.filter, [x, y], sample);
-        wave.push(ray, sampler);
-        weight
+    fn paths(&self, pixel: u32, sample: u64) -> (Range<u64>, f32) {
+        match self.shares {
+            Some(shares) => shares.paths(pixel as usize, sample),
+            None => (sample..sample + 1, 1.0),
+        }
     }
 }
 
-/// How sample number `sample` of a pixel begins: its camera ray, the numbers to come, its filter weight.
+/// How a path of a tile begins.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Start {
+    /// Its pixel in the tile.
+    pub pixel: u32,
+    /// The sample of the image that it belongs to.
+    sample: u64,
+    /// Its number among the pixel's paths for that sample.
+    way: u32,
+    /// Its number among all of the pixel's paths.
+    path: u64,
+    /// Its weight by the filter.
+    pub weight: f32,
+    /// How many samples it is worth.
+    pub worth: f32,
+}
+
+impl Start {
+    /// Which paths it may share with.
+    fn origin(&self) -> Origin {
+        Origin {
+            pixel: self.pixel,
+            // No image has so many samples that this is one of them.
+            round: self.sample | u64::from(self.way) << 48,
+        }
+    }
+}
+
+/// How path number `path` of a pixel begins: its camera ray, the numbers to come, its filter weight.
 #[inline]
 pub(super) fn first_ray(
     view: &View,
     filter: &FilterSampler,
     [x, y]: [u32; 2],
-    sample: u64,
+    path: u64,
 ) -> (CameraRay, PathSampler, f32) {
     let pixel = u64::from(y) * u64::from(view.film.width) + u64::from(x);
-    let mut sampler = view.settings.sampler(pixel, sample);
+    let mut sampler = view.settings.sampler(pixel, path);
     let u = sampler.next4();
     let place = filter.sample(Vec2::new(u[0], u[1]));
     let center = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
@@ -401,24 +467,23 @@ pub(super) fn first_ray(
     (ray, sampler, place.weight)
 }
 
-/// Adds the samples `range` of all pixels, as far as the tile is held and lacks them.
-fn add(tile: &mut Tile, range: Range<u64>, outcomes: &[Outcome], weights: &[f32]) {
+/// Adds the paths that the tile lacks, if it is held.
+fn add(tile: &mut Tile, outcomes: &[Outcome], starts: &[Start]) {
     if !tile.is_held() {
         return;
     }
-    let share = (range.end - range.start) as usize;
-    for (k, (outcome, weight)) in outcomes.iter().zip(weights).enumerate() {
-        let index = range.start + (k % share) as u64;
-        if index < tile.done {
+    for (outcome, start) in outcomes.iter().zip(starts) {
+        if start.sample < tile.done {
             continue;
         }
         let sample = Sample {
             radiance: outcome.radiance,
-            weight: *weight,
+            weight: start.weight,
+            worth: start.worth,
             albedo: outcome.first.albedo,
             normal: outcome.first.normal,
             depth: outcome.first.depth,
         };
-        tile.add(k / share, index, &sample);
+        tile.add(start.pixel as usize, start.path, &sample);
     }
 }

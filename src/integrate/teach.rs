@@ -1,13 +1,14 @@
-//! The first passes of a guided render: they teach the field while they draw the image.
+//! The first passes of a guided render: they teach the field while they draw the image, and tell where the noise is.
 //!
 //! A pass is guided by what the passes before it have taught, so each is an unbiased estimate given the
 //! ones before, and so is their sum. Passes double: the samples of the early ones, which know little, are
 //! soon few beside the rest.
 
+use super::adaptive::{self, Shares, Survey};
 use super::guiding::Guide;
 use super::learn::Learner;
 use super::record::{Lessons, Records};
-use super::render::{Job, Limits, PASS_SPP, Progress};
+use super::render::{Job, Limits, PASS_SPP, Part, Progress};
 use super::reuse;
 use super::trial::{self, trial};
 use super::vertex::Walk;
@@ -20,41 +21,39 @@ use std::time::Duration;
 const MOST_PUPILS: u64 = 1 << 19;
 
 /// Renders passes and teaches the learner, until it wants no more or a limit is reached. The passes' sizes
-/// depend on the limit in samples alone; when the time gets short, learning ends early.
+/// depend on the limit in samples alone; when the time gets short, learning ends early. Returns how the samples that
+/// come are to be spread over the pixels, if not evenly.
 pub(super) fn teach(
     job: &Job,
     learner: &mut Learner,
     film: &mut Film,
     limits: &Limits,
     elapsed: &dyn Fn() -> Duration,
-) {
+) -> Option<Shares> {
     let pixels = u64::from(film.width()) * u64::from(film.height());
-    // What the tiles teach, in memory that is kept from pass to pass.
-    let mut lessons = Vec::new();
+    let mut told = Told::new(job, film);
+    let mut shares = None;
     let mut from = 0;
-    while learner.wants_more() && from < limits.spp {
+    while wants_more(job, learner, from, limits) && from < limits.spp {
         let begin = elapsed();
         let to = from + from.clamp(1, PASS_SPP).min(limits.spp - from);
         let paths = pixels * (to - from);
         let stride = paths.div_ceil(MOST_PUPILS);
-        if !pass(
-            job,
-            film,
-            from..to,
-            (learner.guide(), stride as u32),
-            &mut lessons,
-        ) {
-            return;
+        let guide = (learner.guide(), stride as u32);
+        if !pass(job, film, (from..to, shares.as_ref()), guide, &mut told) || to == limits.spp {
+            return shares;
         }
-        if to == limits.spp {
-            return;
+        if learner.wants_more() {
+            learner.take(&told.lessons, paths / stride);
         }
-        learner.take(&lessons, paths / stride);
         from = to;
         if from == trial::AFTER {
             let (verdict, chance) = trial(job, job.view.film, learner.guide());
             learner.judge(verdict);
             learner.aim(chance);
+        }
+        if job.view.settings.adaptive && from >= adaptive::FIRST {
+            shares = Some(told.survey.shares(film, from, shares.as_ref()));
         }
         let progress = Progress {
             spp: film.spp_done(),
@@ -68,25 +67,52 @@ pub(super) fn teach(
         if job.observer.should_pause() {
             job.observer.paused(&job.spent(elapsed()), film);
         }
-        if limits.are_met_by_noise(progress.spp, progress.noise) {
-            return;
-        }
         // The next pass takes twice as long.
         let time_is_short = |t| elapsed() + 2 * (elapsed() - begin) > t;
-        if limits.time.is_some_and(time_is_short) {
-            return;
+        if limits.are_met_by_noise(progress.spp, progress.noise)
+            || limits.time.is_some_and(time_is_short)
+        {
+            break;
+        }
+    }
+    shares
+}
+
+/// Whether another pass is to teach the field, or to tell how to spread the samples to come.
+fn wants_more(job: &Job, learner: &Learner, done: u64, limits: &Limits) -> bool {
+    let guides = learner.worthwhile_guide().is_some();
+    let surveys = job.view.settings.adaptive && guides && learner.has_taken_paths();
+    let few = done < adaptive::FEWEST && 2 * adaptive::FEWEST <= limits.spp;
+    learner.wants_more() || surveys && few
+}
+
+/// What a pass tells, in memory that is kept from pass to pass.
+struct Told {
+    /// For the field, tile by tile.
+    lessons: Vec<Lessons>,
+    /// For the shares of the pixels.
+    survey: Survey,
+}
+
+impl Told {
+    fn new(job: &Job, film: &Film) -> Self {
+        let mut lessons = Vec::new();
+        lessons.resize_with(film.tiles().len(), Lessons::default);
+        Self {
+            lessons,
+            survey: Survey::new(film, job.view.settings.seed),
         }
     }
 }
 
-/// Takes the samples `range` of every pixel, guided by `guide`; one in `stride` teaches, tile by tile. `false` if
-/// the observer stopped it before all tiles were there.
+/// Takes the samples `range` of every pixel, spread by shares and guided by `guide`; one in `stride` teaches, tile by
+/// tile. `false` if the observer stopped it before all tiles were there.
 fn pass(
     job: &Job,
     film: &mut Film,
-    range: Range<u64>,
+    (range, shares): (Range<u64>, Option<&Shares>),
     (guide, stride): (&Guide, u32),
-    lessons: &mut Vec<Lessons>,
+    told: &mut Told,
 ) -> bool {
     let settings = reuse::while_teaching(job.view.settings);
     let walk = Walk {
@@ -94,22 +120,36 @@ fn pass(
         guide: Some(guide.into()),
         ..job.view.walk()
     };
-    let tiles = film.tiles_mut();
-    lessons.resize_with(tiles.len(), Lessons::default);
-    tiles
+    film.tiles_mut()
         .par_iter_mut()
-        .zip(lessons)
+        .zip(&mut told.lessons)
+        .zip(&mut told.survey.tiles)
+        .enumerate()
         .with_max_len(1)
-        .all(|(tile, lessons)| {
+        .all(|(number, ((tile, lessons), survey))| {
             if job.observer.should_stop() {
                 return false;
             }
             lessons.clear();
             let mut records = Records::every(stride);
-            let range = range.clone();
-            job.render_tile(&walk, tile, range, &mut records, |records, outcomes| {
-                records.conclude(outcomes, lessons);
-            });
+            let part = Part {
+                samples: range.clone(),
+                shares: shares.map(|shares| &shares[number]),
+            };
+            job.render_tile(
+                &walk,
+                tile,
+                part,
+                &mut records,
+                |records, outcomes, starts| {
+                    records.conclude(outcomes.own, lessons);
+                    survey.add_rays(outcomes.rays, starts.len());
+                    for (outcome, start) in outcomes.image.iter().zip(starts) {
+                        let radiance = outcome.radiance * start.weight;
+                        survey.add(start.pixel as usize, radiance, start.worth);
+                    }
+                },
+            );
             true
         })
 }

@@ -15,7 +15,7 @@
 
 use super::chain::pays::{self, Gains};
 use super::guiding::Guide;
-use super::render::{Job, Observer, Progress, View};
+use super::render::{Job, Observer, Part, Progress, View};
 use super::vertex::Walk;
 use crate::film::{Film, FilmDescription, Pixel, Shard, Tile};
 use rayon::prelude::*;
@@ -161,7 +161,11 @@ fn half(job: &Job, film: &FilmDescription, guide: Option<&Guide>) -> (Vec<(Tile,
         .map(|tile| {
             let mut gains = Gains::default();
             if tile.is_held() && !job.observer.should_stop() {
-                job.take_samples(&walk, tile, SAMPLES, &mut gains, |_, _| {});
+                let part = Part {
+                    samples: SAMPLES,
+                    shares: None,
+                };
+                job.take_samples(&walk, tile, part, &mut gains, |_, _, _| {});
             }
             gains
         })

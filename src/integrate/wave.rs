@@ -124,6 +124,8 @@ pub struct Outcomes<'w> {
     pub own: &'w [Outcome],
     /// For the image.
     pub image: &'w [Outcome],
+    /// Rays that they took.
+    pub rays: u64,
 }
 
 /// Buffers of a wave, kept from one tile to the next.
@@ -171,13 +173,14 @@ impl Wave {
     }
 
     /// The same for samples of the image, which may share what they find (see [`super::reuse`]). `own` is
-    /// what they came to by themselves, `image` what they are worth to the image.
+    /// what they came to by themselves, `image` what they are worth to the image; `origins` tells where each comes from.
     pub fn trace_image(
         &mut self,
         walk: &Walk,
         witness: &mut impl Witness,
-        origin: &Origin,
+        origins: &[Origin],
     ) -> Outcomes<'_> {
+        let before = self.rays_traced;
         let guided = walk.guide.is_some();
         let mut pool = Pool::new(if guided { walk.settings.reuse } else { 1 });
         self.run(walk, witness, &mut pool);
@@ -187,12 +190,13 @@ impl Wave {
         self.forks.settle(&mut self.outcomes);
         let mut image = &self.outcomes;
         if pool.is_open() {
-            self.rays_traced += pool.settle(walk, origin, &mut self.forks, &mut self.shared);
+            self.rays_traced += pool.settle(walk, origins, &mut self.forks, &mut self.shared);
             image = &self.shared;
         }
         Outcomes {
             own: &self.outcomes,
             image,
+            rays: self.rays_traced - before,
         }
     }
 

@@ -204,6 +204,7 @@ impl Subject {
             Method::DoubleRender => {
                 let settings = PathSettings {
                     aim: true,
+                    adaptive: true,
                     ..settings
                 };
                 return self.learn_and_draw(&self.view(&settings));

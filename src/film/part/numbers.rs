@@ -4,7 +4,7 @@ use crate::film::{Pixel, Tile};
 use xxhash_rust::xxh3::Xxh3;
 
 /// What is stored of a pixel. EXR sorts channels by name: so is this list, and `.high` stays before `.low`.
-pub const PIXEL: [&str; 16] = [
+pub const PIXEL: [&str; 18] = [
     "albedo.b",
     "albedo.g",
     "albedo.r",
@@ -21,6 +21,8 @@ pub const PIXEL: [&str; 16] = [
     "squares.g",
     "squares.r",
     "weight",
+    "worth",
+    "worth_squares",
 ];
 
 /// What is stored of a tile, sorted too.
@@ -39,24 +41,27 @@ pub const TILE: [&str; 8] = [
 pub const HALVES: [&str; 2] = ["high", "low"];
 
 /// The numbers of a pixel in the order of [`PIXEL`].
-pub fn of_pixel(p: &Pixel) -> [u64; 16] {
+pub fn of_pixel(p: &Pixel) -> [u64; 18] {
     let [ar, ag, ab] = p.albedo.map(f64::to_bits);
     let [nx, ny, nz] = p.normal.map(f64::to_bits);
     let [rr, rg, rb] = p.radiance.map(f64::to_bits);
     let [sr, sg, sb] = p.squares.map(f64::to_bits);
-    let (depth, weight) = (p.depth.to_bits(), p.weight.to_bits());
+    let [depth, weight, worth, ws] =
+        [p.depth, p.weight, p.worth, p.worth_squares].map(f64::to_bits);
     [
-        ab, ag, ar, p.count, depth, p.met, nx, ny, nz, rb, rg, rr, sb, sg, sr, weight,
+        ab, ag, ar, p.count, depth, p.met, nx, ny, nz, rb, rg, rr, sb, sg, sr, weight, worth, ws,
     ]
 }
 
 /// The pixel of the numbers.
-pub fn to_pixel(n: &[u64; 16]) -> Pixel {
+pub fn to_pixel(n: &[u64; 18]) -> Pixel {
     let real = |i: usize| f64::from_bits(n[i]);
     Pixel {
         radiance: [real(11), real(10), real(9)],
         squares: [real(14), real(13), real(12)],
         weight: real(15),
+        worth: real(16),
+        worth_squares: real(17),
         count: n[3],
         albedo: [real(2), real(1), real(0)],
         normal: [real(6), real(7), real(8)],

@@ -93,13 +93,11 @@ pub enum Stage {
     Past,
 }
 
-/// Where the samples of a wave come from.
+/// Where a path of a wave comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Origin {
-    /// Stream of the numbers by which groups are drawn.
-    pub seed: u64,
-    /// Samples of each pixel, which stand next to each other.
-    pub samples: u32,
-    /// Number of the first.
-    pub first: u64,
+    /// A number for its pixel.
+    pub pixel: u32,
+    /// A number that it shares with one path of other pixels, and with none of its own.
+    pub round: u64,
 }

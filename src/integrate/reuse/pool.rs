@@ -95,12 +95,12 @@ impl<'s> Pool<'s> {
     pub fn settle(
         &self,
         walk: &Walk,
-        origin: &Origin,
+        origins: &[Origin],
         forks: &mut Forks,
         outcomes: &mut [Outcome],
     ) -> u64 {
         let mut exchange = Exchange::new(walk, &self.stems);
-        for group in self.groups(origin) {
+        for group in self.groups(walk.settings.seed, origins) {
             exchange.meet(&group);
         }
         for gift in &exchange.gifts {
@@ -114,14 +114,13 @@ impl<'s> Pool<'s> {
     }
 
     /// Stems of like samples in groups, all pixels mixed, so that what they have in common is spread.
-    fn groups(&self, origin: &Origin) -> Vec<Vec<u32>> {
+    fn groups(&self, seed: u64, origins: &[Origin]) -> Vec<Vec<u32>> {
         let lots = self.stems.iter().zip(0..).map(|(stem, number)| {
-            let pixel = u64::from(stem.sample / origin.samples);
-            let sample = origin.first + u64::from(stem.sample % origin.samples);
+            let Origin { pixel, round } = origins[stem.sample as usize];
             Lot {
                 // A path may be cut off at a depth: only stems of one depth stand for the same suffixes.
-                kind: (sample, stem.depth),
-                lot: hash_all([origin.seed, sample, pixel]),
+                kind: (round, stem.depth),
+                lot: hash_all([seed, round, u64::from(pixel)]),
                 number,
             }
         });
