@@ -325,13 +325,13 @@ fn trace(room: &Built, field: &Guide, reuse: u32) -> [Vec<Outcome>; 2] {
             path.sampler(pixel, sample % 16),
         );
     }
-    let origin = Origin {
-        seed: 1,
-        samples: 16,
-        first: 0,
+    let origin = |sample: u32| Origin {
+        pixel: sample / 16,
+        round: u64::from(sample % 16),
     };
+    let origins: Vec<Origin> = (0..4096).map(origin).collect();
     let walk = room.view(&path, Some(field)).walk();
-    let outcomes = wave.trace_image(&walk, &mut (), &origin);
+    let outcomes = wave.trace_image(&walk, &mut (), &origins);
     [outcomes.own, outcomes.image].map(|o| o[..4096].to_vec())
 }
 

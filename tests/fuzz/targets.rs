@@ -71,6 +71,7 @@ fn thumbnail(mut description: Description) {
         roulette: twintree::integrate::Roulette::Field,
         reuse: 1,
         aim: false,
+        adaptive: false,
     };
     let view = View {
         scene: &scene,

@@ -122,6 +122,7 @@ pub fn seed(seed: u64) -> PathSettings {
         max_depth: 12,
         reuse: 32,
         aim: false,
+        adaptive: false,
         seed,
         ..support::settings()
     }

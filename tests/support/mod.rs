@@ -206,6 +206,7 @@ pub fn settings() -> PathSettings {
         roulette: Roulette::Field,
         reuse: 1,
         aim: false,
+        adaptive: false,
         hide_emitters: false,
         strict_normals: false,
         sampler: SamplerKind::Independent,
