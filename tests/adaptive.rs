@@ -2,13 +2,13 @@
 
 mod support;
 
-use support::{Built, SceneMaker, film_mean, grey, how, inside_of_cube};
+use support::{Built, SceneMaker, Silent, Spread, film_mean, grey, how, inside_of_cube, spreads};
 use twintree::accel::{Backend, ExactKind};
 use twintree::bsdf::Material;
 use twintree::film::Film;
 use twintree::integrate::PathSettings;
 use twintree::integrate::learn::Learner;
-use twintree::integrate::render::{Limits, Observer, Progress, Spent, resume};
+use twintree::integrate::render::{Limits, Spent, resume};
 use twintree::math::{Affine3A, Vec3};
 
 /// A closed room lit by a lamp that shines at the ceiling, with a ball of glass, half behind a black board: what is seen
@@ -37,15 +37,6 @@ fn room() -> Built {
     maker.build(Backend::default())
 }
 
-struct Quiet;
-
-impl Observer for Quiet {
-    fn pass_done(&self, _: &Progress, _: &Film) {}
-    fn should_stop(&self) -> bool {
-        false
-    }
-}
-
 const SPP: u64 = 32;
 
 fn render(scene: &Built, adaptive: bool, seed: u64) -> Film {
@@ -64,18 +55,8 @@ fn render(scene: &Built, adaptive: bool, seed: u64) -> Film {
         noise: None,
     };
     let taught = Some(&mut learner);
-    resume(&view, taught, &mut film, &limits, Spent::default(), &Quiet);
+    resume(&view, taught, &mut film, &limits, Spent::default(), &Silent);
     film
-}
-
-/// Values of the pixels and what they tell of their variances, by renders.
-fn values(films: &[Film]) -> Vec<Vec<(f64, f64)>> {
-    let of = |film: &Film| {
-        let pixel = |i: u32| film.pixel(i % 32, i / 32);
-        let value = |i| (pixel(i).mean()[1], pixel(i).variance_of_mean()[1]);
-        (0..32 * 32).map(value).collect()
-    };
-    films.iter().map(of).collect()
 }
 
 /// Few samples, many times: a bias that goes with what the first samples were like would be largest there.
@@ -101,11 +82,7 @@ fn spreading_changes_no_mean_and_pixels_tell_their_variance() {
     };
     let (plain, _) = scene.render(&plain, 1 << 13);
     let (truth, truth_error) = film_mean(&plain);
-    let values = values(&films);
-    let means: Vec<f64> = values
-        .iter()
-        .map(|v| v.iter().map(|p| p.0).sum::<f64>() / v.len() as f64)
-        .collect();
+    let means: Vec<f64> = films.iter().map(|film| film_mean(film).0).collect();
     let n = means.len() as f64;
     let mean = means.iter().sum::<f64>() / n;
     let error = (means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt();
@@ -117,13 +94,9 @@ fn spreading_changes_no_mean_and_pixels_tell_their_variance() {
     assert!((mean - truth).abs() < 3.3 * error.hypot(truth_error));
 
     // What pixels tell, and what it is.
-    let (mut told, mut actual) = (0.0, 0.0);
-    for i in 0..32 * 32 {
-        let mean = values.iter().map(|v| v[i].0).sum::<f64>() / n;
-        let squares: f64 = values.iter().map(|v| (v[i].0 - mean).powi(2)).sum();
-        actual += squares / (n - 1.0);
-        told += values.iter().map(|v| v[i].1).sum::<f64>() / n;
-    }
+    let spreads = spreads(&films);
+    let actual: f64 = spreads.iter().map(|s| s.actual).sum();
+    let told: f64 = spreads.iter().map(|s| s.told).sum();
     println!("variance {actual:.3e}, told {told:.3e}");
     assert!((actual / told - 1.0).abs() < 0.15, "{actual} is not {told}");
 }
@@ -140,14 +113,8 @@ fn spreading_lowers_the_error_and_is_the_same_for_any_number_of_threads() {
         let films: Vec<Film> = (0..64)
             .map(|i| render(&scene, adaptive, 1000 + i))
             .collect();
-        let values = values(&films);
-        (0..32 * 32)
-            .map(|i| {
-                let mean = values.iter().map(|v| v[i].0).sum::<f64>() / 64.0;
-                let squares: f64 = values.iter().map(|v| (v[i].0 - mean).powi(2)).sum();
-                squares / (mean * mean + 0.01)
-            })
-            .sum()
+        let relative = |s: &Spread| s.actual / (s.mean * s.mean + 0.01);
+        spreads(&films).iter().map(relative).sum()
     };
     let (even, spread) = (squares(false), squares(true));
     println!("relative variance, spread over even: {}", spread / even);

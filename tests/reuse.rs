@@ -3,7 +3,7 @@
 mod support;
 
 use std::sync::Arc;
-use support::{Built, SceneMaker, grey, how, inside_of_cube, settings};
+use support::{Built, SceneMaker, Silent, grey, how, inside_of_cube, settings, spreads};
 use twintree::accel::{Backend, ExactKind, TriangleMesh};
 use twintree::bsdf::Material;
 use twintree::bsdf::material::{Distribution, Roughness};
@@ -12,7 +12,7 @@ use twintree::guide::ModelKind;
 use twintree::integrate::PathSettings;
 use twintree::integrate::guiding::Guide;
 use twintree::integrate::learn::{garbage, learn};
-use twintree::integrate::render::{Limits, Observer, Progress, Spent, resume};
+use twintree::integrate::render::{Limits, Spent, resume};
 use twintree::integrate::reuse::Origin;
 use twintree::integrate::wave::{Outcome, Wave};
 use twintree::math::{Affine3A, Rgb, Vec2, Vec3};
@@ -249,16 +249,12 @@ fn sharing_lowers_the_noise_and_pixels_tell_how_far() {
         (0..24).map(film).collect()
     };
     let variance = |films: &[Film]| {
-        let (mut actual, mut told) = (0.0, 0.0);
-        for (y, x) in (0..16).flat_map(|y| (0..16).map(move |x| (y, x))) {
-            let pixels: Vec<_> = films.iter().map(|f| f.pixel(x, y)).collect();
-            let n = pixels.len() as f64;
-            let mean = pixels.iter().map(|p| p.mean()[1]).sum::<f64>() / n;
-            let squares: f64 = pixels.iter().map(|p| (p.mean()[1] - mean).powi(2)).sum();
-            actual += squares / (n - 1.0);
-            told += pixels.iter().map(|p| p.variance_of_mean()[1]).sum::<f64>() / n;
-        }
-        (actual, told)
+        let spreads = spreads(films);
+        let (actual, told) = (
+            spreads.iter().map(|s| s.actual),
+            spreads.iter().map(|s| s.told),
+        );
+        (actual.sum::<f64>(), told.sum::<f64>())
     };
     let of = |reuse| variance(&films(reuse, 1 + 100 * u64::from(reuse)));
     let [alone, all, some] = [1, 8, 32].map(of);
@@ -269,15 +265,6 @@ fn sharing_lowers_the_noise_and_pixels_tell_how_far() {
     assert!(some.0 < alone.0, "following by lot costs too much");
     for (actual, told) in [alone, all, some] {
         assert!((actual / told - 1.0).abs() < 0.1, "{actual} is not {told}");
-    }
-}
-
-struct Quiet;
-
-impl Observer for Quiet {
-    fn pass_done(&self, _: &Progress, _: &Film) {}
-    fn should_stop(&self) -> bool {
-        false
     }
 }
 
@@ -297,7 +284,7 @@ fn neither_threads_nor_interruptions_change_what_is_shared() {
                     time: None,
                     noise: None,
                 };
-                resume(&view, None, &mut film, &limits, Spent::default(), &Quiet);
+                resume(&view, None, &mut film, &limits, Spent::default(), &Silent);
             }
             film
         })

@@ -43,6 +43,7 @@ mod tests;
 pub mod tile;
 
 pub use layers::{Layers, Metadata};
+pub(crate) use noise::FLOOR;
 pub use shard::Shard;
 pub use tile::{Pixel, Sample, TILE_SIZE, Tile};
 

@@ -12,7 +12,7 @@ use super::Film;
 /// Share of the numbers, the largest, that are left out.
 const TRIM: f64 = 1e-3;
 /// Added to the square of a value, so that black pixels do not count for everything: relMSE's usual.
-const FLOOR: f64 = 0.01;
+pub const FLOOR: f64 = 0.01;
 
 impl Film {
     /// Noise of the image: the square root of the mean over pixels and channels of

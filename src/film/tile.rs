@@ -152,6 +152,13 @@ impl Tile {
         (self.width * self.height) as usize
     }
 
+    /// Column and row on the full film of pixel `i`.
+    #[inline]
+    pub fn place(&self, i: usize) -> [u32; 2] {
+        let i = i as u32;
+        [self.x0 + i % self.width, self.y0 + i / self.width]
+    }
+
     /// Whether the film holds the tile's pixels.
     pub fn is_held(&self) -> bool {
         !self.pixels.is_empty()
@@ -171,11 +178,7 @@ impl Tile {
             return;
         }
         self.invalid += 1;
-        let place = (
-            self.x0 + i as u32 % self.width,
-            self.y0 + i as u32 / self.width,
-            index,
-        );
-        self.first_invalid.get_or_insert(place);
+        let [x, y] = self.place(i);
+        self.first_invalid.get_or_insert((x, y, index));
     }
 }

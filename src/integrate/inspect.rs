@@ -5,8 +5,9 @@
 
 use super::forks::Forks;
 use super::learn::Learner;
-use super::render::{Job, Limits, Observer, PASS_SPP, Progress, View, first_ray};
+use super::render::{Job, Limits, Observer, PASS_SPP, Progress, View};
 use super::reuse::Pool;
+use super::start::first_ray;
 use super::teach::teach;
 use super::vertex::{Watched, visit};
 use super::wave::{Outcome, Path};

@@ -29,6 +29,7 @@ pub mod record;
 pub mod render;
 pub mod reuse;
 pub mod roulette;
+mod start;
 mod teach;
 pub mod trial;
 pub mod vertex;

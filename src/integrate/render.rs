@@ -1,18 +1,17 @@
 //! The loop around everything: passes of samples over tiles of the film, until enough.
 
 use super::PathSettings;
-use super::adaptive::{Shares, TileShares};
+use super::adaptive::Shares;
 use super::guiding::Guidance;
 use super::learn::Learner;
 use super::record::Witness;
-use super::reuse::Origin;
+use super::start::{Part, Start, add, first_ray};
 use super::teach::teach;
 use super::vertex::Walk;
-use super::wave::{Outcome, Outcomes, Wave};
-use crate::camera::{Camera, CameraRay};
+use super::wave::{Outcomes, Wave};
+use crate::camera::Camera;
 use crate::film::filter::FilterSampler;
-use crate::film::{Film, FilmDescription, Sample, Tile};
-use crate::math::{PathSampler, Vec2};
+use crate::film::{Film, FilmDescription, Tile};
 use crate::scene::Scene;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -313,10 +312,7 @@ impl<'a> Job<'a> {
                 if self.observer.should_stop() || self.observer.should_pause() {
                     return;
                 }
-                let part = Part {
-                    samples: range,
-                    shares: self.shares.as_ref().map(|shares| &shares[number]),
-                };
+                let part = Part::new(range, self.shares.as_ref(), number);
                 self.render_tile(&self.view.walk(), tile, part, &mut (), |(), _, _| {});
             });
         film.held().all(|t| t.done >= end)
@@ -342,27 +338,7 @@ impl<'a> Job<'a> {
         let (mut starts, mut origins) = (Vec::new(), Vec::new());
         while from < part.samples.end {
             let to = (from + per_wave).min(part.samples.end);
-            wave.clear();
-            starts.clear();
-            for pixel in 0..tile.area() as u32 {
-                let (x, y) = (tile.x0 + pixel % tile.width, tile.y0 + pixel / tile.width);
-                for sample in from..to {
-                    let (paths, worth) = part.paths(pixel, sample);
-                    for (way, path) in paths.enumerate() {
-                        let (ray, sampler, weight) =
-                            first_ray(&self.view, &self.filter, [x, y], path);
-                        wave.push(ray, sampler);
-                        starts.push(Start {
-                            pixel,
-                            sample,
-                            way: way as u32,
-                            path,
-                            weight,
-                            worth,
-                        });
-                    }
-                }
-            }
+            self.begin(tile, &part, from..to, &mut wave, &mut starts);
             origins.clear();
             origins.extend(starts.iter().map(Start::origin));
             let outcomes = wave.trace_image(walk, witness, &origins);
@@ -392,98 +368,29 @@ impl<'a> Job<'a> {
             tile.done = end;
         }
     }
-}
 
-/// Samples of a tile.
-#[derive(Clone, Debug)]
-pub(super) struct Part<'s> {
-    /// Their numbers.
-    pub samples: Range<u64>,
-    /// How many paths each pixel takes for them; `None`: one.
-    pub shares: Option<&'s TileShares>,
-}
-
-impl Part<'_> {
-    /// How many samples of a tile take about so many paths; at least one.
-    fn samples_of(&self, paths: u64, tile: &Tile) -> u64 {
-        let area = tile.area() as f32;
-        let per_sample = self.shares.map_or(area, TileShares::per_sample);
-        ((paths as f32 / per_sample) as u64).max(1)
-    }
-
-    /// The paths of a pixel for a sample, and how many samples each is worth.
-    #[inline]
-    fn paths(&self, pixel: u32, sample: u64) -> (Range<u64>, f32) {
-        match self.shares {
-            Some(shares) => shares.paths(pixel as usize, sample),
-            None => (sample..sample + 1, 1.0),
+    /// Fills a wave with the paths of all pixels for some samples.
+    fn begin(
+        &self,
+        tile: &Tile,
+        part: &Part,
+        samples: Range<u64>,
+        wave: &mut Wave,
+        starts: &mut Vec<Start>,
+    ) {
+        wave.clear();
+        starts.clear();
+        let places = (0..tile.area()).map(|pixel| (pixel as u32, tile.place(pixel)));
+        for (pixel, place) in places {
+            for mut start in samples
+                .clone()
+                .flat_map(|sample| part.starts(pixel, sample))
+            {
+                let (ray, sampler, weight) = first_ray(&self.view, &self.filter, place, start.path);
+                wave.push(ray, sampler);
+                start.weight = weight;
+                starts.push(start);
+            }
         }
-    }
-}
-
-/// How a path of a tile begins.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Start {
-    /// Its pixel in the tile.
-    pub pixel: u32,
-    /// The sample of the image that it belongs to.
-    sample: u64,
-    /// Its number among the pixel's paths for that sample.
-    way: u32,
-    /// Its number among all of the pixel's paths.
-    path: u64,
-    /// Its weight by the filter.
-    pub weight: f32,
-    /// How many samples it is worth.
-    pub worth: f32,
-}
-
-impl Start {
-    /// Which paths it may share with.
-    fn origin(&self) -> Origin {
-        Origin {
-            pixel: self.pixel,
-            // No image has so many samples that this is one of them.
-            round: self.sample | u64::from(self.way) << 48,
-        }
-    }
-}
-
-/// How path number `path` of a pixel begins: its camera ray, the numbers to come, its filter weight.
-#[inline]
-pub(super) fn first_ray(
-    view: &View,
-    filter: &FilterSampler,
-    [x, y]: [u32; 2],
-    path: u64,
-) -> (CameraRay, PathSampler, f32) {
-    let pixel = u64::from(y) * u64::from(view.film.width) + u64::from(x);
-    let mut sampler = view.settings.sampler(pixel, path);
-    let u = sampler.next4();
-    let place = filter.sample(Vec2::new(u[0], u[1]));
-    let center = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
-    let lens = Vec2::new(u[2], u[3]);
-    let ray = view.camera.ray(center + place.offset, lens);
-    (ray, sampler, place.weight)
-}
-
-/// Adds the paths that the tile lacks, if it is held.
-fn add(tile: &mut Tile, outcomes: &[Outcome], starts: &[Start]) {
-    if !tile.is_held() {
-        return;
-    }
-    for (outcome, start) in outcomes.iter().zip(starts) {
-        if start.sample < tile.done {
-            continue;
-        }
-        let sample = Sample {
-            radiance: outcome.radiance,
-            weight: start.weight,
-            worth: start.worth,
-            albedo: outcome.first.albedo,
-            normal: outcome.first.normal,
-            depth: outcome.first.depth,
-        };
-        tile.add(start.pixel as usize, start.path, &sample);
     }
 }

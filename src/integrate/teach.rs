@@ -8,8 +8,9 @@ use super::adaptive::{self, Shares, Survey};
 use super::guiding::Guide;
 use super::learn::Learner;
 use super::record::{Lessons, Records};
-use super::render::{Job, Limits, PASS_SPP, Part, Progress};
+use super::render::{Job, Limits, PASS_SPP, Progress};
 use super::reuse;
+use super::start::Part;
 use super::trial::{self, trial};
 use super::vertex::Walk;
 use crate::film::Film;
@@ -132,10 +133,7 @@ fn pass(
             }
             lessons.clear();
             let mut records = Records::every(stride);
-            let part = Part {
-                samples: range.clone(),
-                shares: shares.map(|shares| &shares[number]),
-            };
+            let part = Part::new(range.clone(), shares, number);
             job.render_tile(
                 &walk,
                 tile,

@@ -15,9 +15,10 @@
 
 use super::chain::pays::{self, Gains};
 use super::guiding::Guide;
-use super::render::{Job, Observer, Part, Progress, View};
+use super::render::{Job, Observer, Progress, View};
+use super::start::Part;
 use super::vertex::Walk;
-use crate::film::{Film, FilmDescription, Pixel, Shard, Tile};
+use crate::film::{FLOOR, Film, FilmDescription, Pixel, Shard, Tile};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -161,10 +162,7 @@ fn half(job: &Job, film: &FilmDescription, guide: Option<&Guide>) -> (Vec<(Tile,
         .map(|tile| {
             let mut gains = Gains::default();
             if tile.is_held() && !job.observer.should_stop() {
-                let part = Part {
-                    samples: SAMPLES,
-                    shares: None,
-                };
+                let part = Part::new(SAMPLES, None, 0);
                 job.take_samples(&walk, tile, part, &mut gains, |_, _, _| {});
             }
             gains
@@ -184,7 +182,7 @@ fn samples(pixels: &[f64]) -> f64 {
 
 /// What a variance is relative to in a tile of this mean.
 fn scale(mean: f64) -> f64 {
-    mean.powi(2) + 0.01
+    mean.powi(2) + FLOOR
 }
 
 /// Mean of a tile over pixels and channels.

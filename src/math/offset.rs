@@ -38,6 +38,13 @@ pub fn offset_origin(p: Vec3, error: Vec3, ng: Vec3, dir: Vec3) -> Vec3 {
     )
 }
 
+/// The origin for a ray that leaves a point which was not met but sampled on a surface with unit normal `n`: it is exact
+/// to a few roundings.
+#[inline]
+pub fn offset_sampled(p: Vec3, n: Vec3, dir: Vec3) -> Vec3 {
+    offset_origin(p, p.abs() * (8.0 * f32::EPSILON), n, dir)
+}
+
 /// One float further towards the sign of `toward`. (`f32::next_up` needs a newer compiler than Debian 13's.)
 ///
 /// Computed both ways and then chosen from: which way it goes is chance, and a processor that guesses it

@@ -3,7 +3,7 @@
 use super::{Landing, PhotonCounts, PhotonSettings};
 use crate::accel::{Hit, Ray};
 use crate::bsdf::{LobeFlags, Transport};
-use crate::math::offset::offset_origin;
+use crate::math::offset::{offset_origin, offset_sampled};
 use crate::math::{PathSampler, Rgb, Vec2, Vec3};
 use crate::scene::Scene;
 
@@ -69,12 +69,10 @@ impl PhotonWave {
                 counts.invalid += 1;
                 continue;
             }
-            // The emitter's own surface: positions sampled on it are exact to a few roundings.
-            let error = start.org.abs() * (8.0 * f32::EPSILON);
             let org = if start.ng == Vec3::ZERO {
                 start.org
             } else {
-                offset_origin(start.org, error, start.ng, start.dir)
+                offset_sampled(start.org, start.ng, start.dir)
             };
             self.rays.push(Ray::new(org, start.dir));
             self.flights.push(Flight {

@@ -189,7 +189,8 @@ pub struct Built {
     pub film: FilmDescription,
 }
 
-struct Silent;
+/// Nobody looks on.
+pub struct Silent;
 
 impl Observer for Silent {
     fn pass_done(&self, _: &Progress, _: &Film) {}
@@ -285,6 +286,34 @@ pub fn film_mean(film: &Film) -> (f64, f64) {
     }
     // The three channels of a grey scene are the same number: their errors add up linearly.
     (sum / count, (3.0 * variance).sqrt() / count)
+}
+
+/// What a pixel is over many renders, in green.
+pub struct Spread {
+    /// Mean of its values.
+    pub mean: f64,
+    /// Variance of its values.
+    pub actual: f64,
+    /// What it tells of that itself, on average.
+    pub told: f64,
+}
+
+/// The spread of all pixels over renders with different seeds.
+pub fn spreads(films: &[Film]) -> Vec<Spread> {
+    let n = films.len() as f64;
+    let of = |(x, y): (u32, u32)| {
+        let pixels: Vec<_> = films.iter().map(|f| f.pixel(x, y)).collect();
+        let mean = pixels.iter().map(|p| p.mean()[1]).sum::<f64>() / n;
+        let squares: f64 = pixels.iter().map(|p| (p.mean()[1] - mean).powi(2)).sum();
+        Spread {
+            mean,
+            actual: squares / (n - 1.0),
+            told: pixels.iter().map(|p| p.variance_of_mean()[1]).sum::<f64>() / n,
+        }
+    };
+    let (width, height) = (films[0].width(), films[0].height());
+    let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    places.map(of).collect()
 }
 
 /// How the tests learn a field.

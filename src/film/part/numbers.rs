@@ -40,8 +40,11 @@ pub const TILE: [&str; 8] = [
 /// The halves of a 64-bit number, in the order of their channels.
 pub const HALVES: [&str; 2] = ["high", "low"];
 
-/// The numbers of a pixel in the order of [`PIXEL`].
-pub fn of_pixel(p: &Pixel) -> [u64; 18] {
+/// The numbers of a pixel, in the order of [`PIXEL`].
+pub type PixelNumbers = [u64; PIXEL.len()];
+
+/// Those of a pixel.
+pub fn of_pixel(p: &Pixel) -> PixelNumbers {
     let [ar, ag, ab] = p.albedo.map(f64::to_bits);
     let [nx, ny, nz] = p.normal.map(f64::to_bits);
     let [rr, rg, rb] = p.radiance.map(f64::to_bits);
@@ -54,7 +57,7 @@ pub fn of_pixel(p: &Pixel) -> [u64; 18] {
 }
 
 /// The pixel of the numbers.
-pub fn to_pixel(n: &[u64; 18]) -> Pixel {
+pub fn to_pixel(n: &PixelNumbers) -> Pixel {
     let real = |i: usize| f64::from_bits(n[i]);
     Pixel {
         radiance: [real(11), real(10), real(9)],

@@ -206,7 +206,7 @@ fn pixels(
         block.index.pixel_size.width(),
         block.index.pixel_size.height(),
     );
-    let mut rows = vec![vec![[0u64; 18]; width]; height];
+    let mut rows = vec![vec![[0; PIXEL.len()]; width]; height];
     for line in block.lines(channels) {
         let at = line.location;
         let row = &mut rows[at.position.y() - block.index.pixel_position.y()];

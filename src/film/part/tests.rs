@@ -51,7 +51,12 @@ fn record(shard: Shard) -> Record {
 }
 
 /// Everything in a tile, as bits, so that NaNs compare.
-type TileBits = (u64, u64, Option<(u32, u32, u64)>, Vec<[u64; 18]>);
+type TileBits = (
+    u64,
+    u64,
+    Option<(u32, u32, u64)>,
+    Vec<numbers::PixelNumbers>,
+);
 
 fn bits(film: &Film) -> Vec<TileBits> {
     let pixels = |p: &[Pixel]| p.iter().map(numbers::of_pixel).collect();

@@ -1,14 +1,12 @@
 //! How noisy each pixel is.
 
 use super::share::{RANGE, Share, Shares, TileShares};
-use crate::film::{Film, Tile};
+use crate::film::{FLOOR, Film, Tile};
 use crate::math::Rgb;
 use crate::math::rng::{hash_all, unit_f32};
 
 /// This much of the paths is spread evenly: a pixel that looks calm may not have met its brightest paths yet.
 const EVEN: f32 = 0.2;
-/// Added to the square of a value, so that black pixels do not count for everything: relMSE's usual.
-const FLOOR: f32 = 0.01;
 /// A pixel's variance is smoothed with those of its neighbours, by these weights on each axis.
 const SMOOTH: [f32; 5] = [1.0, 2.0, 3.0, 2.0, 1.0];
 
@@ -77,7 +75,7 @@ impl Sums {
         }
         let mean = self.value / self.worth;
         let variance = (self.square / self.worth - mean * mean).max(0.0);
-        variance / (mean * mean + FLOOR)
+        variance / (mean * mean + FLOOR as f32)
     }
 }
 
@@ -99,18 +97,13 @@ impl Survey {
     /// The shares for the samples from number `from` on, where those before had the shares `before`.
     pub fn shares(&self, film: &Film, from: u64, before: Option<&Shares>) -> Shares {
         let shares = relative(&smooth(&self.worthwhile(film), self.size));
-        let [x0, y0, ..] = film.region();
         let of_tile = |(number, tile): (usize, &Tile)| {
             let share = |i: usize| {
-                let (x, y) = (
-                    tile.x0 + i as u32 % tile.width,
-                    tile.y0 + i as u32 / tile.width,
-                );
-                let at = (y - y0) as usize * self.size[0] + (x - x0) as usize;
                 let taken = before.map_or(from, |before| before[number].taken(i, from));
-                let lot = hash_all([self.seed, from, u64::from(x), u64::from(y)]);
+                let [x, y] = tile.place(i).map(u64::from);
+                let lot = hash_all([self.seed, from, x, y]);
                 let lots = [lot as u32, (lot >> 32) as u32].map(unit_f32);
-                Share::new(shares[at], taken as u32, lots)
+                Share::new(shares[self.at(film, tile, i)], taken as u32, lots)
             };
             TileShares::new(from, (0..tile.area()).map(share).collect())
         };
@@ -119,19 +112,20 @@ impl Survey {
 
     /// Variances row by row, each over what a path takes there.
     fn worthwhile(&self, film: &Film) -> Vec<f32> {
-        let [x0, y0, ..] = film.region();
         let mut image = vec![0.0; self.size[0] * self.size[1]];
         for (tile, told) in film.tiles().iter().zip(&self.tiles) {
-            let corner = (tile.y0 - y0) as usize * self.size[0] + (tile.x0 - x0) as usize;
             let cost = told.cost();
-            let rows = told.pixels.chunks_exact(tile.width as usize);
-            for (row, sums) in rows.enumerate() {
-                for (column, sums) in sums.iter().enumerate() {
-                    image[corner + row * self.size[0] + column] = sums.variance() / cost;
-                }
+            for (i, sums) in told.pixels.iter().enumerate() {
+                image[self.at(film, tile, i)] = sums.variance() / cost;
             }
         }
         image
+    }
+
+    /// Where a pixel of a tile stands, row by row.
+    fn at(&self, film: &Film, tile: &Tile, i: usize) -> usize {
+        let ([x0, y0, ..], [x, y]) = (film.region(), tile.place(i));
+        (y - y0) as usize * self.size[0] + (x - x0) as usize
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::accel::Ray;
 use crate::light::Beacon;
 use crate::math::equal_area::square_to_sphere;
-use crate::math::offset::offset_origin;
+use crate::math::offset::offset_sampled;
 use crate::math::warp::concentric_disk;
 use crate::math::{Frame, Vec2};
 use crate::scene::Scene;
@@ -61,9 +61,7 @@ pub fn leave(scene: &Scene, light: &Beacon, at: Vec2, u: [f32; 3]) -> Option<Ray
         Beacon::Lamp { emitter, .. } => {
             let (from, n) = scene.lights.point_of(emitter, u)?;
             let dir = square_to_sphere(at);
-            // A sampled point is exact to a few roundings.
-            let error = from.abs() * (8.0 * f32::EPSILON);
-            (dir.dot(n) > 0.0).then(|| Ray::new(offset_origin(from, error, n, dir), dir))
+            (dir.dot(n) > 0.0).then(|| Ray::new(offset_sampled(from, n, dir), dir))
         }
     }
 }
