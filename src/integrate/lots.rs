@@ -5,7 +5,7 @@
 //! path that is then twenty times as bright as the field meant it to be. So an aimed path has several *lots*:
 //! each lobe gets its share of them and is followed if that is one or more; a smaller share is drawn for. A way
 //! takes its lots along, so that reflections of reflections do not multiply: from one aiming to the next there
-//! are on average at most as many ways as there were lots.
+//! are on average at most as many ways as there were lots. A path that comes from the camera has a few, too.
 
 use super::forks::Forks;
 use super::record::Arrival;
@@ -23,6 +23,20 @@ use crate::math::{Rgb, Vec3};
 /// a torus in glass 6.4, 10, 8.0, 7.2, 5.9 and 91, 82, 74, 69, 48: there a single lot hides its variance in few
 /// pixels.
 pub const AIMED: f32 = 32.0;
+
+/// Lots of a path from the camera to where a field first aims it, if one will: water that reflects a thirtieth shows the
+/// sun in one sample of thirty, thirty times as bright.
+///
+/// Sum of the relative squared errors of 64 samples, in percent of that with a single lot, for 4, 8 and 16 lots, and the
+/// same without the worst 0.1 % of the pixels: a pool under a small sun 83, 77, 71 and 90, 90, 86; a torus in glass 46,
+/// 35, 51 and 96, 93, 98; a kitchen 36, 27, 32 and 96, 98, 98; lux-pool 90, 91, 90 and 91, 90, 88; veach-ajar
+/// the same. The time: 1.00 to 1.22 of that with a single lot for 4, 1.00 to 1.3 for 16.
+const FROM_CAMERA: f32 = 4.0;
+
+/// Lots of a path that begins at the camera: without a field it is a single way.
+pub fn from_camera(guided: bool) -> f32 {
+    if guided { FROM_CAMERA } else { 1.0 }
+}
 
 /// A lobe's chance to be followed, and the lots of the way that does.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,6 +2,7 @@
 
 use super::chain::{Kinds, Station};
 use super::forks::Forks;
+use super::lots;
 use super::next_event::ShadowRay;
 use super::record::Witness;
 use super::reuse::{Origin, Pool, Stage};
@@ -204,6 +205,8 @@ impl Wave {
     fn run<'s>(&mut self, walk: &Walk<'s>, witness: &mut impl Witness, pool: &mut Pool<'s>) {
         self.forks.start(self.outcomes.len());
         self.stations.clear();
+        let lots = lots::from_camera(walk.guide.is_some());
+        self.paths.iter_mut().for_each(|path| path.lots = lots);
         while !self.paths.is_empty() {
             self.hits.resize(self.rays.len(), Hit::NONE);
             walk.scene.rays.intersect_batch(&self.rays, &mut self.hits);
