@@ -33,7 +33,7 @@ fn s01_scale_guided() {
         for scale in [1e-6, 1e6] {
             let built = loaded(&room_file(scale, 0.0)).build(backend);
             let guide = field_of(&built);
-            let (film, _) = built.render_guided(&seed(2), 128, Some(&guide));
+            let (film, _) = built.render_guided(&seed(2), 512, Some(&guide));
             let what = format!("scale {scale:e}: worst of 16 blocks, standard errors");
             let who = format!("{name}, guided");
             table.finite("S1", &what, &who, &film);
