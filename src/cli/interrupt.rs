@@ -61,8 +61,8 @@ impl Interrupt {
         self.state.save.load(Ordering::Relaxed)
     }
 
-    /// The checkpoint that was asked for is written.
-    pub fn saved(&self) {
+    /// The checkpoint that was asked for is about to be written; what is asked for from now on is another one.
+    pub fn saves(&self) {
         self.state.save.store(false, Ordering::Relaxed);
     }
 }

@@ -201,11 +201,11 @@ impl Observer for Watch<'_> {
         let Some(checkpoint) = self.checkpoint else {
             return;
         };
+        self.interrupt.saves();
         // An older checkpoint is still there, and the next may fare better: no reason to stop.
         if let Err(e) = checkpoint.save(spent, film) {
             tracing::warn!("no checkpoint: {e}; rendering goes on");
         }
-        self.interrupt.saved();
     }
 }
 
