@@ -13,6 +13,7 @@ use super::roulette::MOST_WAYS;
 use super::wave::Path;
 use crate::accel::Ray;
 use crate::bsdf::{Apart, Bsdf, BsdfSample, LobeFlags, Transport};
+use crate::math::rng::BELOW_ONE;
 use crate::math::{Rgb, Vec3};
 
 /// Lots of a path that a field has aimed.
@@ -82,46 +83,60 @@ pub fn apart(path: &Path, guided: bool, bsdf: &Bsdf, wo: Vec3) -> Option<Apart> 
     bsdf.apart(wo, Transport::Radiance)
 }
 
-/// A path that goes on by the delta lobe alone, by this ray if roulette lets it.
-pub struct Alone(pub Option<Ray>);
+/// What is left to a path once its lobes are drawn.
+pub enum Left {
+    /// It goes on by the delta lobe alone, by this ray if roulette lets it.
+    Delta(Option<Ray>),
+    /// The rest of the lobes, with a number in `[0, 1)` for roulette.
+    Rest(f32),
+}
 
-/// Lets a path `go` on by a delta lobe, if that is drawn. `None` if the path itself is still to take the rest, with
-/// an account of its own if both are followed. Where a field guides the rest it always is.
+/// Lets a path `go` on by a delta lobe, if the number `u` in `[0, 1)` draws that; `go` is given a number for roulette.
+/// The rest is left to the path, with an account of its own if both are followed. Where a field guides the rest it
+/// always is.
+///
+/// The lobes and roulette share one number of the vertex's: with one block of four more for the lobes, later
+/// vertices had the worse dimensions of a Sobol sequence (L1 of a pool under a small sun, mixtures and 64 samples: 0.064
+/// instead of 0.047), and with a number beside the path's own, glints were not stratified (its RMSE 0.34
+/// instead of 0.15).
 pub fn by_lobe(
     apart: &Apart,
     guided: bool,
+    u: f32,
     path: &mut Path,
     forks: &mut Forks,
     arrival: &mut Arrival,
-    go: &mut impl FnMut(&mut Path, &Arrival, Option<BsdfSample>) -> Option<Ray>,
-) -> Option<Alone> {
-    let u = path.sampler.next4()[0];
+    go: &mut impl FnMut(&mut Path, &Arrival, Option<BsdfSample>, f32) -> Option<Ray>,
+) -> Left {
     let delta = Share::of(path, apart.delta.pdf);
     let rest = Share::of(path, apart.rest.chance);
     let takes_rest = guided || 1.0 - u <= rest.chance;
     if u < delta.chance {
+        let again = (u / delta.chance).min(BELOW_ONE);
         if !takes_rest {
             delta.take(path);
-            return Some(Alone(go(path, arrival, Some(apart.delta))));
+            return Left::Delta(go(path, arrival, Some(apart.delta), again));
         }
         path.ways *= 2;
         arrival.radiance = Rgb::ZERO;
         let mut way = forks.branch(path, 1);
         delta.take(&mut way);
-        if let Some(ray) = go(&mut way, arrival, Some(apart.delta)) {
+        if let Some(ray) = go(&mut way, arrival, Some(apart.delta), again) {
             forks.push(way, ray);
         }
         path.slot = forks.open(path.slot);
     }
-    if !guided {
-        rest.take(path);
+    if guided {
+        return Left::Rest(u);
     }
-    None
+    rest.take(path);
+    Left::Rest(((1.0 - u) / rest.chance).min(BELOW_ONE))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bsdf::Rest;
     use crate::camera::CameraRay;
     use crate::math::PathSampler;
 
@@ -158,5 +173,63 @@ mod tests {
                 assert!(shares[0].chance + shares[1].chance >= 1.0 - 1e-6);
             }
         }
+    }
+
+    /// Whatever follows a lobe, the number it goes on with is any number: none is drawn more often than others.
+    #[test]
+    fn roulette_has_an_even_number_whatever_lobe_was_drawn() {
+        const NUMBERS: u32 = 4000;
+        let even = |numbers: &[f32], chance: f32| {
+            let expected = chance * NUMBERS as f32;
+            assert!((numbers.len() as f32 - expected).abs() <= 1.0);
+            let step = 1.0 / expected;
+            let mut sorted = numbers.to_vec();
+            sorted.sort_unstable_by(f32::total_cmp);
+            for (i, number) in sorted.iter().enumerate() {
+                assert!((number - (i as f32 + 0.5) * step).abs() <= step + 1e-4);
+            }
+        };
+        for (lots, p, guided) in [
+            (1.0, 0.25, false),
+            (3.0, 0.03, false),
+            (3.0, 0.6, false),
+            (32.0, 0.01, true),
+            (4.0, 0.9, true),
+        ] {
+            let (mut by_delta, mut by_rest) = (Vec::new(), Vec::new());
+            for i in 0..NUMBERS {
+                let u = (i as f32 + 0.5) / NUMBERS as f32;
+                let mut arrival = Arrival {
+                    throughput: Rgb::ONE,
+                    radiance: Rgb::ZERO,
+                };
+                let mut go = |_: &mut Path, _: &Arrival, _: Option<BsdfSample>, u: f32| {
+                    by_delta.push(u);
+                    None
+                };
+                let (path, forks) = (&mut path(lots), &mut Forks::default());
+                let left = by_lobe(&lobes(p), guided, u, path, forks, &mut arrival, &mut go);
+                if let Left::Rest(u) = left {
+                    by_rest.push(u);
+                }
+            }
+            even(&by_delta, (lots * p).min(1.0));
+            let rest = if guided { 1.0 } else { lots * (1.0 - p) };
+            even(&by_rest, rest.min(1.0));
+        }
+    }
+
+    /// A delta lobe of probability `p`, and others.
+    fn lobes(p: f32) -> Apart {
+        let mut rest = Rest::ALL;
+        rest.chance = 1.0 - p;
+        let delta = BsdfSample {
+            wi: Vec3::Z,
+            weight: Rgb::ONE,
+            pdf: p,
+            eta: 1.0,
+            lobe: LobeFlags::DELTA,
+        };
+        Apart { delta, rest }
     }
 }

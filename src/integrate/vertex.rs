@@ -5,7 +5,7 @@ use super::chain::{Kinds, Place, Station};
 use super::emission::{add_emission, add_environment};
 use super::forks::Forks;
 use super::guiding::{Guidance, GuidedVertex, facing, is_guidable};
-use super::lots::{self, Alone};
+use super::lots::{self, Left};
 use super::next_event::{ShadowRay, crosses, sample_light};
 use super::record::{Arrival, Departure, Onward, Witness};
 use super::reuse::{Admission, Pool, Stage};
@@ -210,26 +210,29 @@ fn scatter<'s, const GUIDED: bool>(
     if GUIDED && pool.is_open() && is_stem(settings, &vertex, path, coming) {
         vertex.stem = pool.add_stem(&vertex, path, forks);
     }
-    let mut go = |path: &mut Path, arrival: &Arrival, lobe: Option<BsdfSample>| {
-        let onward = go_on::<GUIDED>(settings, &vertex, path, lobe, block[3], arrival);
+    let mut go = |path: &mut Path, arrival: &Arrival, lobe: Option<BsdfSample>, u: f32| {
+        let onward = go_on::<GUIDED>(settings, &vertex, path, lobe, u, arrival);
         if lobe.is_none() {
             watch(&vertex, path, arrival, onward.as_ref(), witness);
         }
         leave(&vertex, path, &onward?.0, distance, stations)
     };
-    let alone = apart.and_then(|apart| {
-        lots::by_lobe(&apart, guided.is_some(), path, forks, &mut arrival, &mut go)
+    let left = apart.map_or(Left::Rest(block[3]), |apart| {
+        let guided = guided.is_some();
+        lots::by_lobe(&apart, guided, block[3], path, forks, &mut arrival, &mut go)
     });
     // The light that was sampled belongs to the rest of the lobes, and to all of their ways together.
     let slot = path.slot;
     let shadow = shadow.map(|(ray, offer)| (ray, ShadowRay { slot, offer }));
     let found = found.map(|radiance| (slot, radiance));
-    let ray = match alone {
-        Some(Alone(ray)) => ray,
-        None if GUIDED && vertex.ways > 1 => {
-            forks.split(vertex.ways, path, |path, arrival| go(path, arrival, None))
+    let ray = match left {
+        Left::Delta(ray) => ray,
+        Left::Rest(u) if GUIDED && vertex.ways > 1 => {
+            forks.split(vertex.ways, path, |path, arrival| {
+                go(path, arrival, None, u)
+            })
         }
-        None => go(path, &arrival, None),
+        Left::Rest(u) => go(path, &arrival, None, u),
     };
     Next {
         ray,
