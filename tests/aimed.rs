@@ -10,6 +10,7 @@ use twintree::guide::ModelKind;
 use twintree::integrate::PathSettings;
 use twintree::integrate::chain::Aiming;
 use twintree::integrate::guiding::Guide;
+use twintree::integrate::inspect::trace_sample;
 use twintree::integrate::learn::{garbage, learn};
 use twintree::light::{Emitter, SunSky};
 use twintree::math::{Affine3A, Quat, Rgb, Vec3};
@@ -231,4 +232,25 @@ fn nobody_aims_where_nothing_shines_in() {
         ..path(1)
     };
     assert!(Aiming::find(&scene.view(&unwilling, None)).is_none());
+}
+
+/// A single sample takes the steps of the render's, also where a path follows several lobes from the camera on.
+#[test]
+fn a_sample_by_itself_has_the_bits_that_it_has_in_the_render() {
+    let scene = balls(0.0, Some(2.0));
+    let guide = aiming(&scene, &scene, 0.5);
+    let path = path(5);
+    let (film, _) = scene.render_guided(&path, 1, Some(&guide));
+    let view = scene.view(&path, Some(&guide));
+    let mut branched = 0;
+    for y in 0..film.height() {
+        for x in 0..film.width() {
+            let traced = trace_sample(&view, [x, y], 0);
+            let Rgb { x: r, y: g, z: b } = traced.outcome.radiance;
+            let radiance = [r, g, b].map(f64::from);
+            assert_eq!(radiance, film.pixel(x, y).radiance, "pixel {x}, {y}");
+            branched += usize::from(traced.steps.iter().any(|s| s.way != 0));
+        }
+    }
+    assert!(branched > 20, "{branched}");
 }

@@ -76,7 +76,8 @@ pub struct Traced {
 pub fn trace_sample(view: &View, [x, y]: [u32; 2], sample: u64) -> Traced {
     let filter = FilterSampler::new(view.film.filter);
     let (camera, sampler, weight) = first_ray(view, &filter, [x, y], sample);
-    let path = Path::new(&camera, sampler, 0);
+    let mut path = Path::new(&camera, sampler, 0);
+    path.set_out(&view.walk());
     let mut forks = Forks::default();
     forks.start(1);
     let mut outcomes = vec![Outcome::default()];
@@ -84,7 +85,7 @@ pub fn trace_sample(view: &View, [x, y]: [u32; 2], sample: u64) -> Traced {
     let mut next = vec![(path, camera.ray)];
     // All ways together, bounce by bounce, as in a wave.
     while !next.is_empty() {
-        let (mut onward, mut lit) = (Vec::new(), Vec::new());
+        let (mut onward, mut found, mut lit) = (Vec::new(), Vec::new(), Vec::new());
         for (mut path, ray) in next {
             let outcome = &mut outcomes[path.slot as usize];
             let watched = Watched {
@@ -95,13 +96,13 @@ pub fn trace_sample(view: &View, [x, y]: [u32; 2], sample: u64) -> Traced {
                 witness: &mut (),
             };
             let next = step(view, &ray, &mut path, watched, &mut steps);
+            found.extend(next.found);
             lit.extend(next.shadow);
-            lit.extend(next.found);
             onward.extend(next.ray.map(|ray| (path, ray)));
         }
         onward.extend(forks.take());
         outcomes.resize(forks.accounts(), Outcome::default());
-        for (slot, radiance) in lit {
+        for (slot, radiance) in found.into_iter().chain(lit) {
             outcomes[slot as usize].radiance += radiance;
         }
         next = onward;

@@ -87,6 +87,12 @@ impl Path {
         }
     }
 
+    /// Makes it one of this walk's.
+    #[inline]
+    pub fn set_out(&mut self, walk: &Walk) {
+        self.lots = lots::from_camera(walk.guide.is_some());
+    }
+
     /// From here on it stands for `count` paths. Its worth beside what its sample is expected to come to stays, so
     /// that nobody splits it for that.
     #[inline]
@@ -205,8 +211,7 @@ impl Wave {
     fn run<'s>(&mut self, walk: &Walk<'s>, witness: &mut impl Witness, pool: &mut Pool<'s>) {
         self.forks.start(self.outcomes.len());
         self.stations.clear();
-        let lots = lots::from_camera(walk.guide.is_some());
-        self.paths.iter_mut().for_each(|path| path.lots = lots);
+        self.paths.iter_mut().for_each(|path| path.set_out(walk));
         while !self.paths.is_empty() {
             self.hits.resize(self.rays.len(), Hit::NONE);
             walk.scene.rays.intersect_batch(&self.rays, &mut self.hits);
