@@ -14,6 +14,13 @@ use twintree::integrate::inspect::trace_sample;
 use twintree::integrate::learn::{garbage, learn};
 use twintree::light::{Emitter, SunSky};
 use twintree::math::{Affine3A, Quat, Rgb, Vec3};
+use twintree::photon::schedule::Budget;
+
+/// Photons for chains as for an image of two million samples.
+const BUDGET: Budget = Budget::AsNeeded {
+    samples: 1 << 21,
+    time: None,
+};
 
 /// A floor in the sun, with a ball of glass, one of metal and one of varnish over it, all moved by `aside`.
 /// The larger the sun, the easier paths meet it by themselves.
@@ -112,7 +119,7 @@ fn path(seed: u64) -> PathSettings {
 /// A field that knows nothing, and aims.
 fn aiming(scene: &Built, at: &Built, chance: f32) -> Guide {
     let mut guide = garbage(&scene.scene, ModelKind::Gauss, 9);
-    guide.aiming = Aiming::find(&at.view(&path(3), None));
+    guide.aiming = Aiming::find(&at.view(&path(3), None), BUDGET);
     assert!(guide.aiming.is_some(), "nothing to aim at");
     guide.aim(chance);
     guide
@@ -225,13 +232,13 @@ fn aiming_lowers_the_noise_and_is_the_same_for_any_number_of_threads() {
 #[test]
 fn nobody_aims_where_nothing_shines_in() {
     let dark = balls(0.0, None);
-    assert!(Aiming::find(&dark.view(&path(1), None)).is_none());
+    assert!(Aiming::find(&dark.view(&path(1), None), BUDGET).is_none());
     let scene = balls(0.0, Some(4.0));
     let unwilling = PathSettings {
         aim: false,
         ..path(1)
     };
-    assert!(Aiming::find(&scene.view(&unwilling, None)).is_none());
+    assert!(Aiming::find(&scene.view(&unwilling, None), BUDGET).is_none());
 }
 
 /// A single sample takes the steps of the render's, also where a path follows several lobes from the camera on.

@@ -108,14 +108,10 @@ pub struct LearnArgs {
     /// anything; with "twintree train" 500 000; with --guide gmm 9 million]
     #[arg(long, value_name = "N", help_heading = "Guiding")]
     pub photons: Option<u64>,
-    /// Camera paths that teach the field; the first samples of a render do
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = PATHS,
-        help_heading = "Guiding"
-    )]
-    pub paths: u64,
+    /// Camera paths that teach the field; the first samples of a render do [default: a quarter of the image's samples, and
+    /// no more than two million; with "twintree train" two million]
+    #[arg(long, value_name = "N", help_heading = "Guiding")]
+    pub paths: Option<u64>,
     /// Which of the two do
     #[arg(
         long,

@@ -122,7 +122,8 @@ fn settings(args: &RenderArgs, subject: &Subject, limits: &Limits) -> Vec<(Strin
                 add("--photons, for samples of the image", &samples);
             }
         }
-        add("--paths", &learn.paths);
+        let paths = overrides::paths_for(learn, film, limits);
+        add("--paths", &limits.time.map_or(Some(paths), |_| learn.paths));
         add("--train", &learn.train);
         add("--batches", &learn.batches);
         add("--guide-memory", &learn.guide_memory);

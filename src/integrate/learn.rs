@@ -117,7 +117,7 @@ impl Learner {
             });
         }
         let mut guide = Guide::new(trainer.freeze()).with_mixture(settings.mixture);
-        guide.aiming = Aiming::find(view);
+        guide.aiming = Aiming::find(view, settings.photons);
         Ok(Self {
             guide,
             trainer,

@@ -2,7 +2,7 @@
 
 use super::Place;
 use super::follow::{Cone, Kinds, follow_all};
-use super::seeds::Seed;
+use super::seed::Seed;
 use crate::light::Beacon;
 use crate::math::warp::concentric_disk;
 use crate::math::{Frame, Vec2, Vec3};
@@ -17,6 +17,10 @@ const STEPS: u32 = 6;
 const DIFFERENCE: f32 = 2e-4;
 /// The middle of a light is met to this part of its radius.
 const CLOSE: f32 = 0.25;
+/// A step that leads as near to the middle of the light, relative to where it began, went through a map so straight that
+/// its derivative holds at its end, too. (0.05 to 0.2 are as good; measured anew after every step, a torus in glass takes 3 %
+/// more rays, a pool under a small sun 4 %.)
+const STRAIGHT: f32 = 0.1;
 /// Longest step, and how far an image may lie from where its seed is seen, as a tangent.
 const FARTHEST: f32 = 0.35;
 /// Cosine of the angle between them at most.
@@ -108,7 +112,7 @@ pub fn focus(
     light: &Beacon,
     traced: &mut u32,
 ) -> Option<Focus> {
-    let to = (seed.point - place.position).try_normalize()?;
+    let to = seed.seen_from(place.position).try_normalize()?;
     let mut view = View {
         scene,
         place,
@@ -120,8 +124,9 @@ pub fn focus(
     };
     let mut at = Vec2::ZERO;
     let mut out = view.lead([at])[0]?;
+    let mut slope = None;
     for _ in 0..STEPS {
-        let (derivative, inverse) = view.slope(at, out)?;
+        let (derivative, inverse) = slope.or_else(|| view.slope(at, out))?;
         if out.length_squared() <= CLOSE * CLOSE {
             return Some(Focus {
                 frame: view.frame,
@@ -137,6 +142,8 @@ pub fn focus(
         if next.length_squared() >= out.length_squared() || (at + step).length() > FARTHEST {
             return None;
         }
+        let straight = next.length() <= STRAIGHT * out.length();
+        slope = straight.then_some((derivative, inverse));
         (at, out) = (at + step, next);
     }
     None

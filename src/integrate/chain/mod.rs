@@ -3,8 +3,8 @@
 //! A matt point in a glass cube, or under a wave, sees the sun in a few directions, each of them narrow: the rounded
 //! edge of the glass shows it a hundred times smaller than it is. No light sample gets through the glass, and no
 //! field over directions knows that direction, for it is another one from every point. But it can be found. Photons
-//! tell by which *chains* of mirrors and clear glass light comes into a region, and where those begin (`seeds`);
-//! from any point nearby a few steps of Newton's method lead from such a beginning to the direction whose chain ends
+//! tell by which *chains* of mirrors and clear glass light comes into a region (`seeds`), and where its image
+//! is seen (`seed`); from any point nearby a few steps of Newton's method lead from such a beginning to the direction whose chain ends
 //! in the middle of the sun or the lamp (`focus`), and the derivative there says how large it appears.
 //!
 //! So a rough vertex of a guided path has one more way to sample light, beside its light sample and the direction it
@@ -31,6 +31,7 @@ mod follow;
 pub mod pays;
 mod place;
 mod sample;
+mod seed;
 mod seeds;
 #[cfg(test)]
 mod tests;
@@ -45,9 +46,11 @@ use super::render::View;
 use crate::light::{Beacon, Shining};
 use crate::math::Vec3;
 use crate::math::mis::power_heuristic;
+use crate::photon::schedule::Budget;
 use crate::scene::Scene;
 use focus::focus;
-use seeds::{Seed, Seeds};
+use seed::Seed;
+use seeds::Seeds;
 
 /// What is known about the chains that bring light into a scene from where it is small and bright.
 #[derive(Debug)]
@@ -64,13 +67,14 @@ pub struct Aiming {
 }
 
 impl Aiming {
-    /// What a view's paths may aim at, if they are to and there is anything: as often as before a trial.
-    pub fn find(view: &View) -> Option<Self> {
+    /// What a view's paths may aim at, if they are to and there is anything: as often as before a trial. The `budget` is
+    /// that of the render.
+    pub fn find(view: &View, budget: Budget) -> Option<Self> {
         if !view.settings.aim {
             return None;
         }
         Some(Self {
-            chains: find::find(view.scene, view.settings.seed)?,
+            chains: find::find(view.scene, view.settings.seed, budget)?,
             chance: pays::FIRST,
         })
     }
@@ -138,7 +142,7 @@ fn owner(seeds: &[Seed], place: &Place, dir: Vec3, chain: Kinds, beacon: u32) ->
         if seed.chain != chain || seed.beacon != beacon || place.weight(seed) <= 0.0 {
             continue;
         }
-        let cosine = (seed.point - place.position).normalize_or_zero().dot(dir);
+        let cosine = seed.seen_from(place.position).normalize_or_zero().dot(dir);
         if cosine > best.0 {
             best = (cosine, Some(i));
         }

@@ -1,6 +1,6 @@
 //! Where chains end: rough vertices, as far as aiming goes by them.
 
-use super::seeds::Seed;
+use super::seed::Seed;
 use crate::accel::Ray;
 use crate::bsdf::Bsdf;
 use crate::math::Vec3;
@@ -50,7 +50,7 @@ impl Place {
     /// How likely a seed is to be drawn here, relative to others.
     #[inline]
     pub(super) fn weight(&self, seed: &Seed) -> f32 {
-        let behind = self.side != Vec3::ZERO && self.side.dot(seed.point - self.position) <= 0.0;
+        let behind = self.side != Vec3::ZERO && self.side.dot(seed.seen_from(self.position)) <= 0.0;
         if behind { 0.0 } else { seed.weight }
     }
 }

@@ -1,22 +1,9 @@
 //! Where chains begin: what photons from small lights have met last before they landed, region by region.
 
 use super::Place;
-use super::follow::Kinds;
+use super::seed::Seed;
 use crate::math::Vec3;
 use rayon::prelude::*;
-
-/// A beginning of a chain.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seed {
-    /// A point of the first mirror or pane.
-    pub point: Vec3,
-    /// What follows.
-    pub chain: Kinds,
-    /// The light at its end.
-    pub beacon: u32,
-    /// Photons that came so.
-    pub weight: f32,
-}
 
 /// A photon that came by a chain.
 #[derive(Clone, Copy, Debug)]
@@ -143,9 +130,12 @@ impl Seeds {
 /// glass.)
 fn region(landed: &[Landed], covers: impl Fn(&[Seed], &Landed) -> Option<usize>) -> Vec<Seed> {
     let mut found: Vec<Seed> = Vec::new();
+    let mut came: Vec<Vec<(Vec3, Vec3)>> = Vec::new();
+    let way = |photon: &Landed| (photon.place.position, photon.dir);
     for photon in landed {
         if let Some(owner) = covers(&found, photon) {
             found[owner].weight += 1.0;
+            came[owner].push(way(photon));
             continue;
         }
         if found.len() >= 2 * MOST {
@@ -155,7 +145,12 @@ fn region(landed: &[Landed], covers: impl Fn(&[Seed], &Landed) -> Option<usize>)
         // One that does not even lead to its own photon is of no use.
         if covers(&found, photon) != Some(found.len() - 1) {
             found.pop();
+            continue;
         }
+        came.push(vec![way(photon)]);
+    }
+    for (seed, photons) in found.iter_mut().zip(&came) {
+        seed.fit(photons);
     }
     found.sort_by(|a, b| b.weight.total_cmp(&a.weight));
     found.truncate(MOST);
