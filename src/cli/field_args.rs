@@ -71,7 +71,9 @@ pub struct GuideArgs {
 
 /// How many paths share what they find, unless told otherwise.
 const REUSE: u32 = 32;
-/// Camera paths that teach a field, unless told otherwise.
+/// Camera paths that teach a field, unless told otherwise. (A quarter of the samples instead of three, for small images of
+/// 64 samples: variance times time of a kitchen 0.96 instead of 0.90, veach-ajar 0.41 and 0.42, lux-pool 2.0 and 2.1;
+/// the image itself a tenth noisier.)
 pub const PATHS: u64 = 2_000_000;
 
 /// What Russian roulette goes by where a field guides.
@@ -108,10 +110,14 @@ pub struct LearnArgs {
     /// anything; with "twintree train" 500 000; with --guide gmm 9 million]
     #[arg(long, value_name = "N", help_heading = "Guiding")]
     pub photons: Option<u64>,
-    /// Camera paths that teach the field; the first samples of a render do [default: a quarter of the image's samples, and
-    /// no more than two million; with "twintree train" two million]
-    #[arg(long, value_name = "N", help_heading = "Guiding")]
-    pub paths: Option<u64>,
+    /// Camera paths that teach the field; the first samples of a render do
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = PATHS,
+        help_heading = "Guiding"
+    )]
+    pub paths: u64,
     /// Which of the two do
     #[arg(
         long,

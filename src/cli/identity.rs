@@ -122,8 +122,7 @@ fn settings(args: &RenderArgs, subject: &Subject, limits: &Limits) -> Vec<(Strin
                 add("--photons, for samples of the image", &samples);
             }
         }
-        let paths = overrides::paths_for(learn, film, limits);
-        add("--paths", &limits.time.map_or(Some(paths), |_| learn.paths));
+        add("--paths", &learn.paths);
         add("--train", &learn.train);
         add("--batches", &learn.batches);
         add("--guide-memory", &learn.guide_memory);

@@ -135,7 +135,7 @@ pub fn guiding(
     if let Some(opened) = opened {
         let mut guide = to_guide(&opened.file).with_mixture(args.mixture.0);
         // As often for any number of samples: a render that is resumed may ask for more.
-        guide.aiming = Aiming::find(view, overrides::alone(&args.learn).0);
+        guide.aiming = Aiming::find(view, overrides::photons_alone(&args.learn));
         trial::aim(view, &mut guide);
         describe_aiming(&guide);
         tracing::info!(
@@ -159,8 +159,7 @@ pub fn guiding(
         },
         _ => overrides::photons_for(&args.learn, view.film, limits),
     };
-    let paths = overrides::paths_for(&args.learn, view.film, limits);
-    let mut settings = overrides::learn_settings(&args.learn, view.settings, (photons, paths))?;
+    let mut settings = overrides::learn_settings(&args.learn, view.settings, photons)?;
     settings.mixture = args.mixture.0;
     if view.scene.lights.is_empty() {
         return Ok(Guiding::default());
@@ -262,7 +261,8 @@ fn describe_aiming(guide: &Guide) {
 /// # Errors
 /// When there is nothing to learn from.
 pub fn teach(args: &LearnArgs, view: &View) -> Result<Learned, Failure> {
-    let settings = overrides::learn_settings(args, view.settings, overrides::alone(args))?;
+    let photons = overrides::photons_alone(args);
+    let settings = overrides::learn_settings(args, view.settings, photons)?;
     let learned = learn(view, &settings)?;
     tracing::info!(
         "learned from {} photons ({} landings) and {} camera paths in {}: {} links in {} cells, {}",

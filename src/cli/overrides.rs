@@ -1,9 +1,7 @@
 //! What the command line changes about a scene.
 
 use super::args::{LightArgs, PictureArgs, RFilter, RenderArgs, Sampler, StopArgs};
-use super::field_args::{
-    Adaptive, Aim, GuideArgs, GuideModel, LearnArgs, PATHS, RouletteBy, Teachers,
-};
+use super::field_args::{Adaptive, Aim, GuideArgs, GuideModel, LearnArgs, RouletteBy, Teachers};
 use super::{Failure, memory};
 use crate::film::filter::Filter;
 use crate::film::{FilmDescription, Pixel};
@@ -163,11 +161,6 @@ pub const UNLIMITED_BOUNCES: u32 = 1000;
 pub const PHOTONS: u64 = 500_000;
 /// Samples a pixel that a render without a limit in samples is taken to have.
 const ENDLESS_SPP: u64 = 256;
-/// One sample of so many teaches, if the image is small: to learn from it costs about as much as to draw half a sample.
-/// (Variance times time, without the worst 0.1 % of the pixels, 2.4 million samples of which three in eight teach, one in
-/// four and one in eight: veach-ajar 0.43, 0.39, 0.39; a kitchen 0.85, 0.84, 0.91; a torus in glass 0.20, 0.20,
-/// 0.20; lux-pool 2.2, 2.0, 2.0; a pool under a small sun 0.19, 0.19, 0.18.)
-const SAMPLES_A_PATH: u64 = 4;
 
 /// Photons for a render: as many as are given, or as it is worth.
 pub fn photons_for(args: &LearnArgs, film: &FilmDescription, limits: &Limits) -> Budget {
@@ -179,36 +172,20 @@ pub fn photons_for(args: &LearnArgs, film: &FilmDescription, limits: &Limits) ->
 
 /// As many photons as an image is worth.
 pub fn photons_as_needed(film: &FilmDescription, limits: &Limits) -> Budget {
-    Budget::AsNeeded {
-        samples: samples(film, limits),
-        time: limits.time,
-    }
-}
-
-/// Samples of the whole image, at most.
-fn samples(film: &FilmDescription, limits: &Limits) -> u64 {
     let pixels = u64::from(film.width) * u64::from(film.height);
     let spp = match limits.spp {
         u64::MAX if limits.time.is_none() => ENDLESS_SPP,
         spp => spp,
     };
-    pixels.saturating_mul(spp)
+    Budget::AsNeeded {
+        samples: pixels.saturating_mul(spp),
+        time: limits.time,
+    }
 }
 
-/// Camera paths for a render: as many as are given, or as it is worth.
-pub fn paths_for(args: &LearnArgs, film: &FilmDescription, limits: &Limits) -> u64 {
-    args.paths.unwrap_or_else(|| paths_as_needed(film, limits))
-}
-
-/// As many camera paths as an image is worth.
-pub fn paths_as_needed(film: &FilmDescription, limits: &Limits) -> u64 {
-    PATHS.min(samples(film, limits) / SAMPLES_A_PATH)
-}
-
-/// Photons and camera paths for a field without an image.
-pub fn alone(args: &LearnArgs) -> (Budget, u64) {
-    let photons = exactly(args.photons.unwrap_or(PHOTONS), args.batches);
-    (photons, args.paths.unwrap_or(PATHS))
+/// Photons for a field without an image.
+pub fn photons_alone(args: &LearnArgs) -> Budget {
+    exactly(args.photons.unwrap_or(PHOTONS), args.batches)
 }
 
 fn exactly(photons: u64, batches: u32) -> Budget {
@@ -222,12 +199,12 @@ fn exactly(photons: u64, batches: u32) -> Budget {
 pub fn learn_settings(
     args: &LearnArgs,
     path: &PathSettings,
-    (photons, paths): (Budget, u64),
+    photons: Budget,
 ) -> Result<LearnSettings, Failure> {
     let (photons, paths) = match args.train {
         Teachers::Photons => (photons, 0),
-        Teachers::Paths => (exactly(0, args.batches), paths),
-        Teachers::Both => (photons, paths),
+        Teachers::Paths => (exactly(0, args.batches), args.paths),
+        Teachers::Both => (photons, args.paths),
     };
     if photons.is_none() && paths == 0 {
         let help = "give --photons or --paths a number above 0, or leave them away";

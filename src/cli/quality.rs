@@ -77,7 +77,7 @@ fn apply(args: &mut RenderArgs, matches: &ArgMatches) {
         args.guide.learn.photons = Some(settings.photons);
     }
     if !typed("paths") {
-        args.guide.learn.paths = Some(settings.paths);
+        args.guide.learn.paths = settings.paths;
     }
 }
 
@@ -106,8 +106,9 @@ mod tests {
         assert_eq!((args.stop.noise, args.stop.spp), (None, None));
         assert_eq!(args.guide.learn.photons, Some(7));
         assert_eq!(args.guide.guide, Some(Guide::None));
+        // The default, when typed, is typed.
         let args = read("--quality draft --paths 2000000");
-        assert_eq!(args.guide.learn.paths, Some(2_000_000));
+        assert_eq!(args.guide.learn.paths, 2_000_000);
         assert_eq!(read("").stop.noise, None);
     }
 

@@ -57,8 +57,8 @@ pub fn run(args: &TrainArgs) -> Result<(), Failure> {
         Some(base) => further(args, base, &view)?,
         None => {
             let learned = learning::teach(&args.learn, &view)?;
-            let records = overrides::alone(&args.learn);
-            let how = overrides::learn_settings(&args.learn, &settings, records)?;
+            let photons = overrides::photons_alone(&args.learn);
+            let how = overrides::learn_settings(&args.learn, &settings, photons)?;
             to_file(&view, &how, learned, fingerprint)
         }
     };
@@ -72,13 +72,13 @@ fn further(
     view: &View,
 ) -> Result<crate::guide::FieldFile, Failure> {
     let start = Instant::now();
-    let records = overrides::alone(&args.learn);
     let more = More {
         photons: args.learn.photons.unwrap_or(overrides::PHOTONS),
-        paths: records.1,
+        paths: args.learn.paths,
         share: args.shard.map(|s| (s.index, s.count)),
     };
-    let how = overrides::learn_settings(&args.learn, view.settings, records)?;
+    let photons = overrides::photons_alone(&args.learn);
+    let how = overrides::learn_settings(&args.learn, view.settings, photons)?;
     let (file, counts) = extend(view, &how, &base.file, &more)
         .map_err(|e| Failure::Wrong(format!("{}: {e}", base.path.display())))?;
     learning::warn_of_invalid_photons(&counts);

@@ -3,6 +3,7 @@
 use super::args::{Method, Table1Args};
 use crate::camera::Camera;
 use crate::cli::args::{RayArgs, SceneArgs};
+use crate::cli::field_args::PATHS;
 use crate::cli::load::{self, Input, Loaded};
 use crate::cli::{Failure, overrides};
 use crate::film::layers::{Layers, Metadata};
@@ -221,7 +222,7 @@ impl Subject {
         let limits = self.limits();
         let how = LearnSettings {
             photons: overrides::photons_as_needed(self.film(), &limits),
-            paths: overrides::paths_as_needed(self.film(), &limits),
+            paths: PATHS,
             ..self.learning(view.settings, DOUBLING_BATCHES, ModelKind::Gauss)
         };
         let start = Instant::now();
