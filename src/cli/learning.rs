@@ -134,7 +134,7 @@ pub fn guiding(
 ) -> Result<Guiding, Failure> {
     if let Some(opened) = opened {
         let mut guide = to_guide(&opened.file).with_mixture(args.mixture.0);
-        // As often for any number of samples: a render that is resumed may ask for more.
+        // The same chains for any number of samples: a render that is resumed may ask for more.
         guide.aiming = Aiming::find(view, overrides::photons_alone(&args.learn));
         trial::aim(view, &mut guide);
         describe_aiming(&guide);

@@ -31,9 +31,9 @@ const PHOTONS: u64 = 1 << 18;
 /// 0.45, 0.42 of 9.4 million samples; 0.20 for 2^18 and 2^20 of 2.4 million.)
 const SAMPLES_A_PHOTON: u64 = 8;
 /// So many for a second, where the time is limited: less than a twentieth of it.
-const PHOTONS_A_SECOND: f64 = 32_768.0;
-/// No fewer, and no more: they are all held until the seeds are chosen, a hundred bytes each.
-const LEAST_AND_MOST: (u64, u64) = (1 << 15, 1 << 21);
+const PHOTONS_A_SECOND: f64 = 16_384.0;
+/// No fewer, and no more: they are all held until the seeds are chosen, a hundred bytes each and twice for a moment.
+const LEAST_AND_MOST: (u64, u64) = (1 << 15, 1 << 20);
 /// Photons in a wave: one task.
 const WAVE: u64 = 4096;
 
@@ -216,7 +216,7 @@ mod tests {
         let (least, most) = LEAST_AND_MOST;
         assert_eq!(of(8 << 18, None), 1 << 18);
         assert_eq!(of(8 << 18, Some(3600)), 1 << 18);
-        assert_eq!(of(u64::MAX, Some(30)), 30 << 15);
+        assert_eq!(of(u64::MAX, Some(20)), 20 << 14);
         assert_eq!([of(0, None), of(u64::MAX, Some(0))], [least; 2]);
         assert_eq!(
             [of(u64::MAX, None), of(u64::MAX, Some(u64::MAX))],

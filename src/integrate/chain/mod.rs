@@ -3,9 +3,9 @@
 //! A matt point in a glass cube, or under a wave, sees the sun in a few directions, each of them narrow: the rounded
 //! edge of the glass shows it a hundred times smaller than it is. No light sample gets through the glass, and no
 //! field over directions knows that direction, for it is another one from every point. But it can be found. Photons
-//! tell by which *chains* of mirrors and clear glass light comes into a region (`seeds`), and where its image
-//! is seen (`seed`); from any point nearby a few steps of Newton's method lead from such a beginning to the direction whose chain ends
-//! in the middle of the sun or the lamp (`focus`), and the derivative there says how large it appears.
+//! tell by which *chains* of mirrors and clear glass light comes into a region (`seeds`), and where its image is seen
+//! (`seed`); from any point nearby a few steps of Newton's method lead from there to the direction whose chain ends in
+//! the middle of the sun or the lamp (`focus`), and the derivative there says how large it appears.
 //!
 //! So a rough vertex of a guided path has one more way to sample light, beside its light sample and the direction it
 //! goes on by: a seed is drawn, brought into focus, and a direction drawn in the image (`sample`). What the
