@@ -22,7 +22,7 @@ pub struct Seed {
     pub chain: Kinds,
     /// The light at its end.
     pub beacon: u32,
-    /// Photons that came so.
+    /// How often it is drawn, relative to others.
     pub weight: f32,
 }
 

@@ -134,7 +134,6 @@ fn region(landed: &[Landed], covers: impl Fn(&[Seed], &Landed) -> Option<usize>)
     let way = |photon: &Landed| (photon.place.position, photon.dir);
     for photon in landed {
         if let Some(owner) = covers(&found, photon) {
-            found[owner].weight += 1.0;
             came[owner].push(way(photon));
             continue;
         }
@@ -151,11 +150,9 @@ fn region(landed: &[Landed], covers: impl Fn(&[Seed], &Landed) -> Option<usize>)
     }
     for (seed, photons) in found.iter_mut().zip(&came) {
         seed.fit(photons);
+        seed.weight = (photons.len() as f32).sqrt();
     }
     found.sort_by(|a, b| b.weight.total_cmp(&a.weight));
     found.truncate(MOST);
-    for seed in &mut found {
-        seed.weight = seed.weight.sqrt();
-    }
     found
 }
