@@ -14,7 +14,8 @@ const BEHIND: f32 = 0.4;
 /// Sets the numbers that chains are sampled by apart from others.
 const NUMBERS: u32 = 0x6169_6d00;
 
-/// Where a vertex aims from, and with which chance; `None` where it never does.
+/// Where a vertex aims from, and with which chance; `None` where it never does. (Whether any chain leads there is not asked
+/// before it does: most vertices do not aim, most times.)
 #[inline]
 pub(super) fn aims(walk: &Walk, vertex: &Vertex, path: &Path) -> Option<(Place, f32)> {
     let aiming = walk.guide?.aiming()?;
@@ -26,7 +27,7 @@ pub(super) fn aims(walk: &Walk, vertex: &Vertex, path: &Path) -> Option<(Place, 
         Stage::Fresh => aiming.chance(),
         _ => aiming.chance() * BEHIND,
     };
-    aiming.chains().reach(&place).then_some((place, chance))
+    Some((place, chance))
 }
 
 /// What comes of aiming from a vertex at a `distance` from the one before, if it does this time.

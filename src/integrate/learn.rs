@@ -31,8 +31,10 @@ use std::time::{Duration, Instant};
 const WAVE_PHOTONS: u64 = 8192;
 /// Camera paths in a wave.
 const WAVE_PATHS: u64 = 4096;
-/// Points that measure the area inside cells.
+/// Points that measure the area inside cells, at most; at least a sixteenth of that.
 const AREA_POINTS: usize = 1 << 20;
+/// A small image has one for so many of its samples: its field has few cells.
+const SAMPLES_A_POINT: u64 = 8;
 /// Rounds of refining after a batch.
 const ROUNDS: u32 = 4;
 
@@ -233,6 +235,15 @@ pub fn learn(view: &View, settings: &LearnSettings) -> Result<Learned, GuideErro
     })
 }
 
+/// Points for a field that is learned from so many photons.
+fn area_points(photons: Budget) -> usize {
+    let Budget::AsNeeded { samples, .. } = photons else {
+        return AREA_POINTS;
+    };
+    let points = usize::try_from(samples / SAMPLES_A_POINT).unwrap_or(AREA_POINTS);
+    points.clamp(AREA_POINTS / 16, AREA_POINTS)
+}
+
 /// A trainer that knows the scene's bounds and how much surface lies where.
 fn prepare(scene: &Scene, settings: &LearnSettings) -> Result<Trainer, GuideError> {
     let bounds = scene.rays.bounds();
@@ -251,7 +262,7 @@ fn prepare(scene: &Scene, settings: &LearnSettings) -> Result<Trainer, GuideErro
     if settings.photons.is_none() {
         return Ok(trainer);
     }
-    let (points, area) = scene.area_points(AREA_POINTS, settings.photon.seed);
+    let (points, area) = scene.area_points(area_points(settings.photons), settings.photon.seed);
     // Light lands on either side of a surface.
     let sides = points.iter().flat_map(|p| {
         [p.normal, -p.normal].map(|normal| SurfacePoint {

@@ -54,7 +54,7 @@ def reference_of(args, scene):
     KEPT.mkdir(parents=True, exist_ok=True)
     kept = KEPT / f"{scene.parent.name}-{scene.stem}-{args.max_depth}-{args.reference_time:.0f}s.exr"
     if not kept.exists():
-        more = ["--guide", "double", "--seed", "977", "--format", "float", "--aov", "variance"]
+        more = ["--guide", "double", "--sampler", "independent", "--seed", "977", "--format", "float", "--aov", "variance"]
         render(args, scene, kept, [*more, "--time", f"{args.reference_time}s", "--spp", "1000000"])
     found = layers(kept)
     image = found["<root>"]
@@ -74,7 +74,8 @@ def main():
                         help="options to compare with --guide none (default: --guide double)")
     parser.add_argument("--program", default="target/release/twintree")
     args = parser.parse_args()
-    configurations = ["--guide none", *(args.configurations or ["--guide double"])]
+    # By the same points: those that guided paths take unless told otherwise.
+    configurations = ["--guide none --sampler sobol", *(args.configurations or ["--guide double"])]
     print("| scene | options | relMSE | seconds, learning | samples a pixel | M rays/s | relMSE x seconds | efficiency |")
     print("|---|---|---|---|---|---|---|---|")
     for scene in args.scenes:

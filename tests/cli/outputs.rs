@@ -72,6 +72,26 @@ fn the_same_seed_gives_the_same_bits_on_any_number_of_threads() {
 }
 
 #[test]
+fn guided_paths_take_sobol_points_and_others_what_the_scene_asks_for() {
+    let place = Place::new();
+    let guided = "--guide double --photons 2000 --batches 2";
+    for (guide, own, other) in [
+        (guided, "sobol", "independent"),
+        ("--guide none", "independent", "sobol"),
+    ] {
+        let render = |sampler: &str| {
+            let words =
+                format!("render scene.xml -o a.exr --spp 4 {guide} {sampler} --format float");
+            place.run(&words).ok();
+            read_channels(&place.path("a.exr"))
+        };
+        let unasked = render("");
+        assert!(unasked == render(&format!("--sampler {own}")), "{guide}");
+        assert!(unasked != render(&format!("--sampler {other}")), "{guide}");
+    }
+}
+
+#[test]
 fn a_crop_holds_the_same_pixels_as_the_whole() {
     let place = Place::new();
     place.run("render scene.xml -o all.exr --format float").ok();

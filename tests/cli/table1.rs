@@ -94,7 +94,8 @@ fn a_reference_is_kept_or_given_and_errors_do_not_depend_on_threads() {
 #[test]
 fn the_last_method_is_what_a_render_does_and_all_that_guide_may_share() {
     let place = place();
-    let words = format!("table1 {TINY} --repeats 1 --method gmm,double-render --seed 3");
+    let words =
+        format!("table1 {TINY} --repeats 1 --method gmm,double-render --seed 3 --paths 600");
     let ran = place
         .run(&format!("{words} --reuse 8 --json shared.json -o shared"))
         .ok();
@@ -108,7 +109,7 @@ fn the_last_method_is_what_a_render_does_and_all_that_guide_may_share() {
         assert!(rmse("shared.json", row) != rmse("alone.json", row));
     }
     place
-        .run("render scene.xml --spp 4 --guide double --reuse 8 --seed 3 -o r.png")
+        .run("render scene.xml --spp 4 --guide double --reuse 8 --paths 600 --seed 3 -o r.png")
         .ok();
     place
         .run("compare r.png --reference shared/scene-double-render.png --json same.json")

@@ -37,7 +37,7 @@ struct PlanFile {
 /// What the built-in plan has to know of a scene.
 #[derive(Clone, Copy, Debug)]
 pub struct SceneTraits {
-    /// Its sampler: the other one is tried.
+    /// Its sampler: the other one is tried without a field, too.
     pub sampler: SamplerKind,
     /// Whether it has textures.
     pub textures: bool,
@@ -85,11 +85,8 @@ pub fn built_in(scene: SceneTraits) -> Vec<Configuration> {
     plan.turn("reuse", "1");
     plan.turn("reuse", "8");
     plan.turn_all("aim", &[Aim::Auto]);
-    let (own, other) = match scene.sampler {
-        SamplerKind::Independent => (Sampler::Independent, "sobol"),
-        SamplerKind::Sobol => (Sampler::Sobol, "independent"),
-    };
-    plan.turn_all("sampler", &[own]);
+    // What guided paths have unless told otherwise.
+    plan.turn_all("sampler", &[Sampler::Sobol]);
     if cfg!(feature = "embree") {
         plan.turn_all("accel", &[Accel::Embree]);
     }
@@ -98,6 +95,10 @@ pub fn built_in(scene: SceneTraits) -> Vec<Configuration> {
     if scene.textures {
         plan.turn("half-textures", "on");
     }
+    let other = match scene.sampler {
+        SamplerKind::Independent => "sobol",
+        SamplerKind::Sobol => "independent",
+    };
     plan.combine(
         &format!("plain-{other}"),
         &format!("--guide none --sampler {other}"),
@@ -242,11 +243,10 @@ mod tests {
             });
             check(&plan, &[]).unwrap();
             assert!(plan.len() > 20);
-            let own = match sampler {
-                SamplerKind::Independent => "sampler-independent",
-                SamplerKind::Sobol => "sampler-sobol",
-            };
-            assert!(plan.iter().all(|c| c.name != own), "the base has it");
+            assert!(
+                plan.iter().all(|c| c.name != "sampler-sobol"),
+                "the base has it"
+            );
         }
     }
 

@@ -1,6 +1,7 @@
 //! What can be typed for `twintree table1`.
 
 use crate::cli::args::{Accel, LightArgs};
+use crate::cli::field_args::PATHS;
 use crate::cli::values::{self, Definition};
 use crate::integrate::reuse;
 use clap::{Args, ValueEnum};
@@ -47,6 +48,14 @@ pub struct Table1Args {
     /// Memory for a field while it is learned, such as 64M
     #[arg(long, value_name = "BYTES", default_value = "256M", value_parser = values::bytes, help_heading = "Guiding")]
     pub guide_memory: usize,
+    /// Camera paths that teach the field of double-render, as in "twintree render"
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = PATHS,
+        help_heading = "Guiding"
+    )]
+    pub paths: u64,
     /// How many pixels' paths share what they find, with every method that guides, as in "twintree render"; 1: each
     /// is for itself, as in the paper
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=i64::from(reuse::MOST)), help_heading = "Guiding")]

@@ -3,7 +3,6 @@
 use super::args::{Method, Table1Args};
 use crate::camera::Camera;
 use crate::cli::args::{RayArgs, SceneArgs};
-use crate::cli::field_args::PATHS;
 use crate::cli::load::{self, Input, Loaded};
 use crate::cli::{Failure, overrides};
 use crate::film::layers::{Layers, Metadata};
@@ -36,6 +35,7 @@ pub struct Subject {
     spp: u64,
     photons: u64,
     batches: u32,
+    paths: u64,
     memory: u64,
 }
 
@@ -95,6 +95,8 @@ impl Subject {
             camera: Camera::new(&description.camera, film.width, film.height),
             settings: PathSettings {
                 reuse: args.reuse,
+                // The same points for all methods.
+                sampler: overrides::guided_sampler(&args.light),
                 ..overrides::path_settings(&args.light, &description.render)
             },
             loaded,
@@ -104,6 +106,7 @@ impl Subject {
             photons: args.photons.saturating_mul(u64::from(args.batches)),
             batches: args.batches,
             memory: args.guide_memory as u64,
+            paths: args.paths,
         })
     }
 
@@ -222,7 +225,7 @@ impl Subject {
         let limits = self.limits();
         let how = LearnSettings {
             photons: overrides::photons_as_needed(self.film(), &limits),
-            paths: PATHS,
+            paths: self.paths,
             ..self.learning(view.settings, DOUBLING_BATCHES, ModelKind::Gauss)
         };
         let start = Instant::now();

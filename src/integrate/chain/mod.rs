@@ -96,12 +96,6 @@ impl Aiming {
 }
 
 impl Chains {
-    /// Whether any lead to a place.
-    pub fn reach(&self, place: &Place) -> bool {
-        let seeds = self.seeds.near(place.position);
-        seeds.iter().any(|s| place.weight(s) > 0.0)
-    }
-
     /// Bytes held.
     pub fn bytes(&self) -> u64 {
         self.seeds.bytes()

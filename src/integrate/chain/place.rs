@@ -42,6 +42,15 @@ impl Place {
         }
     }
 
+    /// The same place moved: rays in direction `dir` are moved by `by`, which is at right angles to it, along the surface.
+    pub(super) fn moved(&self, dir: Vec3, by: Vec3) -> Self {
+        let along = by.dot(self.ng) / dir.dot(self.ng);
+        Self {
+            position: self.position + by - dir * along,
+            ..*self
+        }
+    }
+
     /// A ray that leaves it.
     pub(super) fn ray(&self, dir: Vec3) -> Ray {
         Ray::new(offset_origin(self.position, self.error, self.ng, dir), dir)

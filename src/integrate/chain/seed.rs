@@ -1,23 +1,20 @@
-//! A beginning of a chain: where the light's image is seen.
+//! A beginning of a chain: where the light's image is seen, and how that turns as one moves.
 //!
 //! What is seen in a mirror or through a pane has a place of its own, behind the mirror, under the water, or in front of
-//! who looks. Known from one place, it tells in which direction to look from another.
+//! who looks; in a rounded edge two places, one for moves along the edge and one for moves across. All of that is the
+//! curvature of the wavefront that comes in (Born and Wolf, "Principles of Optics", 3.1 and 4.6: the directions of rays
+//! are the gradient of one function, so that their derivative is symmetric).
 
 use super::follow::Kinds;
-use crate::math::Vec3;
-
-/// Angle by which photons miss the middle of the image that they came by: places that are not much farther apart than that,
-/// as the image sees them, do not tell how far away it is.
-const BLUR: f32 = 0.01;
+use crate::math::{Frame, Vec3};
 
 /// A beginning of a chain: a light's image in a mirror or behind a pane, and how it comes about.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seed {
     /// The direction in which it is seen from the origin of the scene, not a unit vector.
     towards: Vec3,
-    /// How that turns with the place: one by the distance of the image. That of a sun under calm water is infinitely far
-    /// away, that in a drop is near; what gathers light in front of the place has a negative distance.
-    nearness: f32,
+    /// How that turns with the place.
+    curvature: Curvature,
     /// What follows.
     pub chain: Kinds,
     /// The light at its end.
@@ -26,14 +23,62 @@ pub struct Seed {
     pub weight: f32,
 }
 
+/// A symmetric matrix: by how much a direction turns against a move. An image at a distance of r in all directions has 1/r
+/// along all axes, and that of a sun under calm water none at all; what gathers light in front of the place has a negative one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Curvature {
+    diagonal: Vec3,
+    /// yz, xz, xy.
+    off: Vec3,
+}
+
+impl Curvature {
+    /// Of an image in a place.
+    fn of_point(nearness: f32) -> Self {
+        Self {
+            diagonal: Vec3::splat(nearness),
+            off: Vec3::ZERO,
+        }
+    }
+
+    /// Across the direction `frame.n`, with `[ss, st, tt]` along the axes of the frame. Along the direction, where a move
+    /// changes nothing but the distance, it is that of a point as far away as the image is on average.
+    fn across(frame: &Frame, [ss, st, tt]: [f32; 3]) -> Self {
+        let Frame { s, t, n } = *frame;
+        let mean = 0.5 * (ss + tt);
+        let columns = [ss * s + st * t, st * s + tt * t, mean * n];
+        let element =
+            |i: usize, j: usize| columns[0][i] * s[j] + columns[1][i] * t[j] + columns[2][i] * n[j];
+        Self {
+            diagonal: Vec3::new(element(0, 0), element(1, 1), element(2, 2)),
+            off: Vec3::new(element(1, 2), element(0, 2), element(0, 1)),
+        }
+    }
+
+    #[inline]
+    fn times(&self, v: Vec3) -> Vec3 {
+        let Self { diagonal, off } = *self;
+        let across = Vec3::new(
+            off.z * v.y + off.y * v.z,
+            off.z * v.x + off.x * v.z,
+            off.y * v.x + off.x * v.y,
+        );
+        diagonal * v + across
+    }
+
+    fn is_finite(&self) -> bool {
+        self.diagonal.is_finite() && self.off.is_finite()
+    }
+}
+
 impl Seed {
     /// What a photon tells that comes to `place` from the unit direction `dir` and from a mirror or pane at `point`: as if
     /// the image were there.
     pub fn new(place: Vec3, dir: Vec3, point: Vec3, chain: Kinds, beacon: u32) -> Self {
-        let nearness = place.distance(point).recip();
+        let curvature = Curvature::of_point(place.distance(point).recip());
         Self {
-            towards: dir + place * nearness,
-            nearness,
+            towards: dir + curvature.times(place),
+            curvature,
             chain,
             beacon,
             weight: 1.0,
@@ -43,30 +88,25 @@ impl Seed {
     /// The direction in which it is seen from a place, not a unit vector.
     #[inline]
     pub fn seen_from(&self, place: Vec3) -> Vec3 {
-        self.towards - place * self.nearness
+        self.towards - self.curvature.times(place)
     }
 
-    /// Moves the image to where the photons that came by it saw it, each in a direction from a place: least squares of
-    /// `dir - mean dir = -nearness (place - mean place)` across the mean direction, with what was thought before as one
-    /// more photon's word for it. A sun under water is far behind the surface; left there, its image took one of Newton's
-    /// steps more, half the time.
-    pub fn fit(&mut self, photons: &[(Vec3, Vec3)]) {
-        let share = (photons.len() as f32).recip();
-        let place = photons.iter().map(|(place, _)| *place).sum::<Vec3>() * share;
-        let dir = photons.iter().map(|(_, dir)| *dir).sum::<Vec3>() * share;
-        let axis = dir.normalize_or_zero();
-        let doubt = (BLUR / self.nearness).powi(2);
-        let (mut turned, mut moved) = (doubt * self.nearness, doubt);
-        for photon in photons {
-            let across = (photon.0 - place).reject_from_normalized(axis);
-            turned -= across.dot(photon.1 - dir);
-            moved += across.length_squared();
-        }
-        let nearness = turned / moved;
-        if nearness.is_finite() {
-            self.nearness = nearness;
-            self.towards = dir + place * nearness;
-        }
+    /// One by the distance of the image, on average.
+    pub fn nearness(&self) -> f32 {
+        self.curvature.diagonal.element_sum() / 3.0
+    }
+
+    /// The same with the image seen from `place` along `frame.n`, and a wavefront that is curved by `[ss, st, tt]` along the
+    /// frame's other axes; `None` if that is no number.
+    pub fn curved(self, place: Vec3, frame: &Frame, curvature: [f32; 3]) -> Option<Self> {
+        let curvature = Curvature::across(frame, curvature);
+        let towards = frame.n + curvature.times(place);
+        let is_finite = towards.is_finite() && curvature.is_finite();
+        is_finite.then_some(Self {
+            towards,
+            curvature,
+            ..self
+        })
     }
 }
 
@@ -74,41 +114,77 @@ impl Seed {
 mod tests {
     use super::*;
 
-    /// The largest sine of the angle between where the fitted seed is seen, around the places of its photons, and
-    /// where it should be.
-    fn error(seen: impl Fn(Vec3) -> Vec3, pane: f32, photons: usize) -> f32 {
-        let places: Vec<Vec3> = (0..photons)
-            .map(|i| Vec3::new(5.0 + (i % 4) as f32 * 0.1, -3.0 + (i / 4) as f32 * 0.1, 1.0))
-            .collect();
-        let ways: Vec<(Vec3, Vec3)> = places.iter().map(|&p| (p, seen(p).normalize())).collect();
-        let (place, dir) = ways[0];
-        let mut seed = Seed::new(place, dir, place + dir * pane, Kinds::EMPTY, 0);
-        let apart = |seed: &Seed, p: Vec3| seed.seen_from(p).normalize().cross(seen(p).normalize());
-        assert!(apart(&seed, place).length() < 1e-5);
-        seed.fit(&ways);
-        let errors = places.iter().map(|&p| apart(&seed, p).length());
-        errors.fold(0.0, f32::max)
+    const PLACE: Vec3 = Vec3::new(5.0, -3.0, 1.0);
+
+    /// The sine of the angle between where a seed is seen from a place and where it should be.
+    fn error(seed: &Seed, place: Vec3, towards: Vec3) -> f32 {
+        let seen = seed.seen_from(place).normalize();
+        seen.cross(towards.normalize()).length()
     }
 
-    /// Whether an image is near, infinitely far away or in front of who sees it, photons tell where it is, whatever pane
-    /// they came through.
+    fn seed(towards: Vec3, curvature: [f32; 3]) -> (Seed, Frame) {
+        let frame = Frame::new(towards.normalize());
+        let flat = Seed::new(PLACE, frame.n, PLACE + frame.n, Kinds::EMPTY, 0);
+        (flat.curved(PLACE, &frame, curvature).unwrap(), frame)
+    }
+
     #[test]
-    fn an_image_is_fitted_to_its_photons() {
-        let near = Vec3::new(5.5, -2.5, 2.5);
-        for pane in [0.3, 1.0, 3.0] {
-            assert!(error(|p| near - p, pane, 16) < 5e-3);
-            assert!(error(|_| Vec3::new(0.2, 0.1, 1.0), pane, 16) < 5e-3);
-            assert!(error(|p| p - Vec3::new(5.0, -3.0, -2.0), pane, 16) < 5e-3);
+    fn what_a_photon_tells_is_an_image_at_its_pane() {
+        let pane = Vec3::new(1.0, 0.0, 2.0);
+        let seed = Seed::new(PLACE, (pane - PLACE).normalize(), pane, Kinds::EMPTY, 0);
+        for place in [PLACE, Vec3::ZERO, Vec3::new(2.0, 3.0, -1.0)] {
+            assert!(error(&seed, place, pane - place) < 1e-5);
         }
     }
 
-    /// One photon does not tell where the image is, only in which direction.
+    /// Near, infinitely far away or in front of who looks: wherever they move.
     #[test]
-    fn a_single_photon_leaves_the_image_at_its_pane() {
-        assert!(error(|_| Vec3::new(0.2, 0.1, 1.0), 1.0, 1) < 1e-5);
-        let mut seed = Seed::new(Vec3::X, Vec3::Z, Vec3::new(1.0, 0.0, 2.0), Kinds::EMPTY, 0);
-        seed.fit(&[(Vec3::X, Vec3::Z)]);
-        let aside = seed.seen_from(Vec3::ZERO).normalize();
-        assert!((aside - Vec3::new(1.0, 0.0, 2.0).normalize()).length() < 1e-5);
+    fn an_image_in_a_point_is_seen_there_from_everywhere() {
+        let near = Vec3::new(0.5, 0.5, 1.5);
+        let (back, ahead) = (PLACE - near, PLACE + near);
+        for (towards, nearness, image) in [
+            (near, near.length().recip(), Some(ahead)),
+            (near, -near.length().recip(), Some(back)),
+            (near, 0.0, None),
+        ] {
+            let (seed, _) = seed(towards, [nearness, 0.0, nearness]);
+            for step in [
+                Vec3::ZERO,
+                Vec3::X,
+                Vec3::Y,
+                Vec3::Z,
+                Vec3::new(0.3, -0.2, 0.4),
+            ] {
+                let place = PLACE + 0.5 * step;
+                // Light that gathers in a point comes from there, or on to there.
+                let expected = image.map_or(towards, |image| image - place);
+                assert!(error(&seed, place, expected) < 1e-5, "{nearness} {step}");
+            }
+        }
+    }
+
+    /// A rounded edge shows the sun next to itself, and as far along as it is.
+    #[test]
+    fn an_image_in_an_edge_turns_with_moves_across_it_alone() {
+        let (seed, frame) = seed(Vec3::new(0.3, 0.4, 1.0), [0.5, 0.0, 0.0]);
+        let move_along = PLACE + frame.t * 0.4;
+        assert!(error(&seed, move_along, frame.n) < 1e-5);
+        let move_across = PLACE + frame.s * 0.4;
+        assert!(error(&seed, move_across, frame.n * 2.0 - frame.s * 0.4) < 1e-5);
+        // Along neither: both at once.
+        let slanted = [0.25, 0.25, 0.25];
+        let (seed, frame) = self::seed(Vec3::new(0.3, 0.4, 1.0), slanted);
+        let place = PLACE + (frame.s - frame.t) * 0.4;
+        assert!(error(&seed, place, frame.n) < 1e-5);
+        let place = PLACE + (frame.s + frame.t) * 0.4;
+        assert!(error(&seed, place, frame.n - (frame.s + frame.t) * 0.2) < 1e-5);
+    }
+
+    #[test]
+    fn what_is_no_number_curves_nothing() {
+        let frame = Frame::new(Vec3::Z);
+        let flat = Seed::new(PLACE, Vec3::Z, PLACE + Vec3::Z, Kinds::EMPTY, 0);
+        assert!(flat.curved(PLACE, &frame, [f32::NAN, 0.0, 0.0]).is_none());
+        assert!(flat.curved(PLACE, &frame, [f32::MAX, 0.0, 0.0]).is_none());
     }
 }

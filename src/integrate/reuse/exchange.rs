@@ -96,6 +96,10 @@ impl<'e, 's> Exchange<'e, 's> {
             return;
         }
         let (f, bsdf_pdf) = stem.bsdf.eval_pdf(stem.wo, wi, Transport::Radiance);
+        // Behind it, mostly: nobody needs to ask the field.
+        if f == Rgb::ZERO {
+            return;
+        }
         let throughput = stem.throughput * f;
         let pdf = stem.guided.pdf(wi, bsdf_pdf);
         let [own_view, view] = suffix.views(-wi);
