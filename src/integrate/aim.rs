@@ -5,8 +5,9 @@
 
 use super::chain::{Aimed, Cone, Place, Request};
 use super::guiding::is_guidable;
+use super::onward::ROUGH_SPREAD;
 use super::reuse::Stage;
-use super::vertex::{ROUGH_SPREAD, Vertex, Walk};
+use super::vertex::{Vertex, Walk};
 use super::wave::Path;
 
 /// How much less often a path aims behind its first rough vertex: what it finds there counts for less.

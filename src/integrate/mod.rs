@@ -24,6 +24,7 @@ pub mod learn;
 pub mod learn_gmm;
 pub mod lots;
 mod next_event;
+mod onward;
 pub mod probe;
 pub mod record;
 pub mod render;

@@ -11,7 +11,10 @@ in target/efficiency (that the program's images are right is for tests/agreement
 error that is the reference's own, known from its variance layer, is taken off.
 
     pip install mitsuba==3.9.1        # reads the images
-    python3 tests/bench/efficiency.py [--time 60] [--seeds 3] [--with "--guide double"]... SCENE.xml...
+    python3 tests/bench/efficiency.py [--time 60 | --spp 64] [--seeds 3] [--with "--guide double"]... SCENE.xml...
+
+With --spp renders have as many samples instead of as much time. The last column is the error times the seconds of all
+threads: what programs can be compared by that ran on other numbers of them.
 """
 import argparse, json, os, pathlib, statistics, subprocess, sys, tempfile
 import mitsuba as mi
@@ -66,6 +69,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scenes", nargs="+", type=pathlib.Path)
     parser.add_argument("--time", type=float, default=60, help="seconds of each render, learning included")
+    parser.add_argument("--spp", type=int, help="samples a pixel, instead of a time")
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--max-depth", type=int, default=12)
     parser.add_argument("--threads", type=int, default=2)
@@ -76,8 +80,9 @@ def main():
     args = parser.parse_args()
     # By the same points: those that guided paths take unless told otherwise.
     configurations = ["--guide none --sampler sobol", *(args.configurations or ["--guide double"])]
-    print("| scene | options | relMSE | seconds, learning | samples a pixel | M rays/s | relMSE x seconds | efficiency |")
-    print("|---|---|---|---|---|---|---|---|")
+    print("| scene | options | relMSE | seconds, learning | samples a pixel | M rays/s | relMSE x seconds | efficiency "
+          "| relMSE x thread seconds |")
+    print("|---|---|---|---|---|---|---|---|---|")
     for scene in args.scenes:
         reference, floor = reference_of(args, scene)
         rounds = {options: [] for options in configurations}
@@ -85,7 +90,8 @@ def main():
             out = pathlib.Path(folder, "image.exr")
             for seed in range(args.seeds):
                 for options, results in rounds.items():
-                    more = [*options.split(), "--time", f"{args.time}s", "--spp", "1000000", "--seed", str(seed)]
+                    until = ["--spp", str(args.spp)] if args.spp else ["--time", f"{args.time}s", "--spp", "1000000"]
+                    more = [*options.split(), *until, "--seed", str(seed)]
                     stats = render(args, scene, out, more)
                     learning = stats["train_seconds"]
                     seconds = stats["render_seconds"]  # learning included
@@ -96,7 +102,7 @@ def main():
         plain = middle[configurations[0]][-1]
         for options, (error, seconds, learning, spp, rate, cost) in middle.items():
             print(f"| {scene.parent.name} | {options} | {error:.5f} | {seconds:.0f}, {learning:.1f} | {spp:.0f} "
-                  f"| {rate:.2f} | {cost:.3f} | {plain / cost:.2f}x |")
+                  f"| {rate:.2f} | {cost:.3f} | {plain / cost:.2f}x | {cost * args.threads:.3f} |")
             sys.stdout.flush()
 
 
