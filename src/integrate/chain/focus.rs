@@ -52,7 +52,7 @@ impl Focus {
     }
 
     /// The direction of its middle.
-    fn middle(&self) -> Vec3 {
+    pub fn middle(&self) -> Vec3 {
         let at = self.at - self.inverse * self.out;
         self.frame.to_world(at.extend(1.0)).normalize()
     }
@@ -188,7 +188,8 @@ pub fn curved(scene: &Scene, place: &Place, seed: &Seed, light: &Beacon) -> Opti
     // As far aside, at the mirror or pane, as a ray that is turned.
     let step = DIFFERENCE / seed.nearness();
     let Frame { s, t, n } = view.frame;
-    let [x, y] = view.lead_along([s, t].map(|axis| place.moved(n, axis * step).ray(n)));
+    let moved = [place.moved(n, s * step)?, place.moved(n, t * step)?];
+    let [x, y] = view.lead_along(moved.map(|place| place.ray(n)));
     let turned = inverse * Mat2::from_cols(x? - out, y? - out) * step.recip();
     // Symmetric but for rounding.
     let slant = 0.5 * (turned.x_axis.y + turned.y_axis.x);

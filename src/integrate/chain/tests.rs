@@ -1,8 +1,18 @@
-//! Tests of chains apart from scenes.
+//! Tests of chains.
 
+use super::focus::curved;
 use super::follow::LONGEST;
 use super::*;
-use crate::bsdf::LobeFlags;
+use crate::accel::{Backend, BuildSettings, ExactKind, ExactShape, Hit, Ray};
+use crate::bsdf::{LobeFlags, Material, Materials};
+use crate::camera::{CameraDescription, FovAxis, Projection};
+use crate::film::{FilmDescription, FilmKind, filter::Filter};
+use crate::light::{Emitter, SunSky};
+use crate::math::{Affine3A, DAffine3, DVec3, Rgb};
+use crate::scene::description::RenderDescription;
+use crate::scene::{Description, Geometry, Shape};
+use crate::texture::Texture;
+use std::f32::consts::FRAC_PI_2;
 
 #[test]
 fn a_chain_is_the_same_from_both_ends() {
@@ -38,4 +48,154 @@ fn chains_that_are_too_long_are_no_chain_that_a_seed_has() {
         ];
         assert_eq!(kinds, [Kinds::LOST; 2]);
     }
+}
+
+/// Towards the sun.
+const SUN: Vec3 = Vec3::new(0.2, 0.8, -0.55);
+/// The mirror's axis is along x and goes through here.
+const AXIS: Vec3 = Vec3::new(0.0, 2.0, 3.0);
+const RADIUS: f32 = 0.5;
+
+/// A floor, y = 0, and over it a cylinder that is a mirror, in the sun.
+fn floor_and_mirror() -> Scene {
+    let grey = |value| Texture::Constant(Rgb::splat(value));
+    let mut materials = Materials::default();
+    let matt = materials.push(Material::Diffuse {
+        reflectance: grey(0.5),
+    });
+    let mirror = materials.push(Material::Conductor {
+        eta: grey(0.0),
+        k: grey(1.0),
+        specular_reflectance: grey(1.0),
+    });
+    let shape = |kind, place, material| Shape {
+        name: String::new(),
+        geometry: Geometry::Exact(ExactShape::new(kind, place)),
+        material,
+        emitter: None,
+        flip_normals: false,
+        group: None,
+    };
+    let floor = Affine3A::from_rotation_x(-FRAC_PI_2) * Affine3A::from_scale(Vec3::splat(10.0));
+    let cylinder = Affine3A::from_translation(AXIS - 10.0 * Vec3::X)
+        * Affine3A::from_rotation_y(FRAC_PI_2)
+        * Affine3A::from_scale(Vec3::new(RADIUS, RADIUS, 20.0));
+    let mut description = Description {
+        shapes: vec![
+            shape(ExactKind::Rectangle, floor, matt),
+            shape(ExactKind::Cylinder, cylinder, mirror),
+        ],
+        groups: 0,
+        instances: Vec::new(),
+        materials,
+        emitters: vec![Emitter::SunSky {
+            settings: SunSky {
+                sky: false,
+                sun: true,
+                sun_direction: SUN.normalize(),
+                turbidity: 3.0,
+                albedo: Rgb::splat(0.2),
+                sky_scale: 1.0,
+                sun_scale: 1.0,
+                sun_radius_degrees: 0.5,
+                stretch: 1.0,
+                z_up: false,
+            },
+            scale: 1.0,
+            to_world: Affine3A::IDENTITY,
+        }],
+        camera: CameraDescription {
+            to_world: DAffine3::IDENTITY,
+            projection: Projection::Perspective {
+                fov_degrees: 50.0,
+                fov_axis: FovAxis::X,
+                principal_point: [0.0, 0.0],
+            },
+            near_clip: 1e-4,
+            far_clip: 1e9,
+        },
+        film: FilmDescription {
+            width: 1,
+            height: 1,
+            crop: None,
+            filter: Filter::Box { radius: 0.5 },
+            kind: FilmKind::Hdr,
+            exposure: 0.0,
+        },
+        render: RenderDescription::default(),
+        origin: DVec3::ZERO,
+        warnings: Vec::new(),
+    };
+    Scene::build(&mut description, BuildSettings::default(), Backend::Obvhs).unwrap()
+}
+
+/// A place of the floor.
+fn on_floor(scene: &Scene, x: f32, z: f32) -> Place {
+    let ray = Ray::new(Vec3::new(x, 0.5, z), -Vec3::Y);
+    let mut hits = [Hit::NONE];
+    scene.rays.intersect_batch(&[ray], &mut hits);
+    let point = scene.surfaces.point(&ray, &hits[0], 0.0);
+    let material = scene.surfaces.list[hits[0].shape as usize].material;
+    let bsdf = scene.surfaces.materials.resolve(material, &point, Vec3::Y);
+    Place::new(&point, &bsdf, Vec3::Y)
+}
+
+/// The sun's image in a cylinder is as far away as the sun for who moves along it, and close behind its surface, at half
+/// the radius times the cosine of incidence (Coddington's equation for the plane of incidence), for who moves across.
+#[test]
+fn a_seed_follows_the_suns_image_in_a_cylinder() {
+    let scene = floor_and_mirror();
+    let beacons = scene.lights.beacons();
+    let place = on_floor(&scene, 0.0, 0.0);
+    // About where the mirror shows it.
+    let normal = (SUN.normalize() - AXIS.normalize())
+        .reject_from(Vec3::X)
+        .normalize();
+    let pane = AXIS + RADIUS * normal + 0.65 * Vec3::X;
+    let to_pane = (pane - place.position).normalize();
+    let chain = Kinds::EMPTY.then(LobeFlags::REFLECTION);
+    let flat = Seed::new(place.position, to_pane, pane, chain, 0);
+    let seed = curved(&scene, &place, &flat, &beacons[0]).expect("the sun is seen");
+
+    let dir = seed.seen_from(place.position).normalize();
+    let seen = |seed: &Seed, from: &Place| seed.seen_from(from.position).normalize();
+    let along = on_floor(&scene, 0.4, 0.0);
+    assert!(seen(&seed, &along).distance(dir) < 2e-3, "it goes along");
+    assert!(seen(&flat, &along).distance(dir) > 0.05);
+
+    // Everywhere near, searches begin where they end.
+    for (x, z) in [(0.0, 0.1), (0.1, -0.1), (-0.3, 0.05)] {
+        let from = on_floor(&scene, x, z);
+        let image = focus(&scene, &from, &seed, &beacons[0], &mut 0).expect("the sun is seen");
+        let off = image.middle().distance(seen(&seed, &from));
+        assert!(off < 1e-3, "{off} at {x} {z}");
+    }
+
+    // In the plane across: by the distance of the image.
+    let step = 0.02;
+    let moved = on_floor(&scene, 0.0, step);
+    let turned = (seen(&seed, &moved) - dir).dot(Vec3::X.cross(dir).normalize());
+    let across = moved.position - place.position;
+    let aside = across.dot(Vec3::X.cross(dir).normalize());
+    let hit = scene_distance(&scene, &place, dir);
+    let (distance, normal) = hit;
+    let flat_part = dir.reject_from(Vec3::X);
+    let cosine = -flat_part.normalize().dot(normal);
+    // Distances as the plane across sees them.
+    let behind = distance * flat_part.length() + 0.5 * RADIUS * cosine;
+    let expected = -aside / behind * flat_part.length();
+    assert!(
+        (turned / expected - 1.0).abs() < 0.02,
+        "{turned} instead of {expected}"
+    );
+}
+
+/// How far away the mirror is in a direction, and its normal there.
+fn scene_distance(scene: &Scene, place: &Place, dir: Vec3) -> (f32, Vec3) {
+    let ray = place.ray(dir);
+    let mut hits = [Hit::NONE];
+    scene.rays.intersect_batch(&[ray], &mut hits);
+    let point = scene.surfaces.point(&ray, &hits[0], 0.0);
+    let normal = (point.p - AXIS).reject_from(Vec3::X).normalize();
+    (hits[0].t, normal)
 }
