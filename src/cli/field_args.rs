@@ -69,6 +69,14 @@ pub struct GuideArgs {
     pub adaptive: Adaptive,
 }
 
+impl GuideArgs {
+    /// What guides: what is asked for, or else the double hierarchy where a field is given.
+    pub fn way(&self) -> Guide {
+        let by_field = self.field.as_ref().map(|_| Guide::Double);
+        self.guide.or(by_field).unwrap_or(Guide::None)
+    }
+}
+
 /// How many paths share what they find, unless told otherwise.
 const REUSE: u32 = 32;
 /// Camera paths that teach a field, unless told otherwise. (A quarter of the samples instead of three, for small images of

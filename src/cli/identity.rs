@@ -111,7 +111,7 @@ fn settings(args: &RenderArgs, subject: &Subject, limits: &Limits) -> Vec<(Strin
         add("--aim", &args.guide.aim);
         return list;
     }
-    let (guide, learn) = (args.guide.guide.unwrap_or(Guide::None), &args.guide.learn);
+    let (guide, learn) = (args.guide.way(), &args.guide.learn);
     add("--guide", &guide);
     if guide != Guide::None {
         match overrides::photons_for(learn, film, limits) {

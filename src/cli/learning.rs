@@ -149,7 +149,7 @@ pub fn guiding(
             ..Guiding::default()
         });
     }
-    if args.guide.unwrap_or(Way::None) == Way::None {
+    if args.way() == Way::None {
         return Ok(Guiding::default());
     }
     let photons = match args.guide {

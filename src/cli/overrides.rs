@@ -138,16 +138,14 @@ pub fn path_settings(args: &LightArgs, scene: &RenderDescription) -> PathSetting
 pub fn guided_path_settings(args: &RenderArgs, scene: &RenderDescription) -> PathSettings {
     let guide = &args.guide;
     let plain = path_settings(&args.light, scene);
-    let is_guided = guide.field.is_some() || guide.guide.is_some_and(|way| way != Guide::None);
     PathSettings {
         roulette: roulette(guide),
         reuse: guide.reuse,
         aim: guide.aim == Aim::Auto,
         adaptive: guide.adaptive == Adaptive::Auto,
-        sampler: if is_guided {
-            guided_sampler(&args.light)
-        } else {
-            plain.sampler
+        sampler: match guide.way() {
+            Guide::None => plain.sampler,
+            Guide::Double | Guide::Gmm => guided_sampler(&args.light),
         },
         ..plain
     }

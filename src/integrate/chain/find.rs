@@ -28,7 +28,8 @@ const ENOUGH: usize = 1024;
 const PHOTONS: u64 = 1 << 18;
 /// One for so many samples of the image. What no photon has found is met by paths alone, as a speck. (A torus in glass, relative
 /// variance without the worst 0.1 % of the pixels, of 3.7 million samples with one photon for 8, 16, 32 and 64 of them: 0.0053,
-/// 0.0053, 0.0061, 0.0069; of 14.7 million with one for 8 and 32: 0.0026, 0.0026, in 1.16 times the time.)
+/// 0.0053, 0.0061, 0.0069; of 14.7 million with one for 8 and 32: 0.0026, 0.0026, in 1.16 times the time; with regions
+/// of 256 photons.)
 const SAMPLES_A_PHOTON: u64 = 16;
 /// So many for a second, where the time is limited: less than a twentieth of it.
 const PHOTONS_A_SECOND: f64 = 8192.0;

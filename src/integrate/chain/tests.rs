@@ -4,14 +4,11 @@ use super::focus::curved;
 use super::follow::LONGEST;
 use super::*;
 use crate::accel::{Backend, BuildSettings, ExactKind, ExactShape, Hit, Ray};
-use crate::bsdf::{LobeFlags, Material, Materials};
-use crate::camera::{CameraDescription, FovAxis, Projection};
-use crate::film::{FilmDescription, FilmKind, filter::Filter};
+use crate::bsdf::{LobeFlags, Material, MaterialId, Materials};
 use crate::light::{Emitter, SunSky};
-use crate::math::{Affine3A, DAffine3, DVec3, Rgb};
-use crate::scene::description::RenderDescription;
+use crate::math::{Affine3A, Rgb};
 use crate::scene::{Description, Geometry, Shape};
-use crate::texture::Texture;
+use crate::texture::{SurfacePoint, Texture};
 use std::f32::consts::FRAC_PI_2;
 
 #[test]
@@ -85,8 +82,6 @@ fn floor_and_mirror() -> Scene {
             shape(ExactKind::Rectangle, floor, matt),
             shape(ExactKind::Cylinder, cylinder, mirror),
         ],
-        groups: 0,
-        instances: Vec::new(),
         materials,
         emitters: vec![Emitter::SunSky {
             settings: SunSky {
@@ -104,38 +99,23 @@ fn floor_and_mirror() -> Scene {
             scale: 1.0,
             to_world: Affine3A::IDENTITY,
         }],
-        camera: CameraDescription {
-            to_world: DAffine3::IDENTITY,
-            projection: Projection::Perspective {
-                fov_degrees: 50.0,
-                fov_axis: FovAxis::X,
-                principal_point: [0.0, 0.0],
-            },
-            near_clip: 1e-4,
-            far_clip: 1e9,
-        },
-        film: FilmDescription {
-            width: 1,
-            height: 1,
-            crop: None,
-            filter: Filter::Box { radius: 0.5 },
-            kind: FilmKind::Hdr,
-            exposure: 0.0,
-        },
-        render: RenderDescription::default(),
-        origin: DVec3::ZERO,
-        warnings: Vec::new(),
+        ..Description::empty()
     };
     Scene::build(&mut description, BuildSettings::default(), Backend::Obvhs).unwrap()
+}
+
+/// What a ray meets, and its material.
+fn met<'s>(scene: &'s Scene, ray: &Ray) -> (SurfacePoint<'s>, MaterialId) {
+    let mut hits = [Hit::NONE];
+    scene.rays.intersect_batch(&[*ray], &mut hits);
+    let point = scene.surfaces.point(ray, &hits[0], 0.0);
+    (point, scene.surfaces.list[hits[0].shape as usize].material)
 }
 
 /// A place of the floor.
 fn on_floor(scene: &Scene, x: f32, z: f32) -> Place {
     let ray = Ray::new(Vec3::new(x, 0.5, z), -Vec3::Y);
-    let mut hits = [Hit::NONE];
-    scene.rays.intersect_batch(&[ray], &mut hits);
-    let point = scene.surfaces.point(&ray, &hits[0], 0.0);
-    let material = scene.surfaces.list[hits[0].shape as usize].material;
+    let (point, material) = met(scene, &ray);
     let bsdf = scene.surfaces.materials.resolve(material, &point, Vec3::Y);
     Place::new(&point, &bsdf, Vec3::Y)
 }
@@ -172,30 +152,19 @@ fn a_seed_follows_the_suns_image_in_a_cylinder() {
     }
 
     // In the plane across: by the distance of the image.
-    let step = 0.02;
-    let moved = on_floor(&scene, 0.0, step);
-    let turned = (seen(&seed, &moved) - dir).dot(Vec3::X.cross(dir).normalize());
-    let across = moved.position - place.position;
-    let aside = across.dot(Vec3::X.cross(dir).normalize());
-    let hit = scene_distance(&scene, &place, dir);
-    let (distance, normal) = hit;
-    let flat_part = dir.reject_from(Vec3::X);
-    let cosine = -flat_part.normalize().dot(normal);
+    let moved = on_floor(&scene, 0.0, 0.02);
+    let sideways = Vec3::X.cross(dir).normalize();
+    let turned = (seen(&seed, &moved) - dir).dot(sideways);
+    let aside = (moved.position - place.position).dot(sideways);
+    let mirror = met(&scene, &place.ray(dir)).0.p;
+    let normal = (mirror - AXIS).reject_from(Vec3::X).normalize();
+    let across = dir.reject_from(Vec3::X);
+    let cosine = -across.normalize().dot(normal);
     // Distances as the plane across sees them.
-    let behind = distance * flat_part.length() + 0.5 * RADIUS * cosine;
-    let expected = -aside / behind * flat_part.length();
+    let distance = mirror.distance(place.position) * across.length() + 0.5 * RADIUS * cosine;
+    let expected = -aside / distance * across.length();
     assert!(
         (turned / expected - 1.0).abs() < 0.02,
         "{turned} instead of {expected}"
     );
-}
-
-/// How far away the mirror is in a direction, and its normal there.
-fn scene_distance(scene: &Scene, place: &Place, dir: Vec3) -> (f32, Vec3) {
-    let ray = place.ray(dir);
-    let mut hits = [Hit::NONE];
-    scene.rays.intersect_batch(&[ray], &mut hits);
-    let point = scene.surfaces.point(&ray, &hits[0], 0.0);
-    let normal = (point.p - AXIS).reject_from(Vec3::X).normalize();
-    (hits[0].t, normal)
 }
