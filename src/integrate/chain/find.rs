@@ -35,6 +35,8 @@ const SAMPLES_A_PHOTON: u64 = 16;
 const PHOTONS_A_SECOND: f64 = 8192.0;
 /// No fewer, and no more: they are all held until the seeds are chosen, a hundred bytes each and twice for a moment.
 const LEAST_AND_MOST: (u64, u64) = (1 << 15, 1 << 19);
+/// Lights that are aimed at: their numbers have 16 bits.
+const MOST_BEACONS: usize = 1 << 16;
 /// Photons in a wave: one task.
 const WAVE: u64 = 4096;
 
@@ -51,11 +53,12 @@ fn photons_for(budget: Budget) -> u64 {
 /// Finds the chains that bring light into a scene from where it is small and bright; `None` if there are none.
 pub fn find(scene: &Scene, seed: u64, budget: Budget) -> Option<Chains> {
     let photons = photons_for(budget);
-    let beacons = scene.lights.beacons();
+    let mut beacons = scene.lights.beacons();
+    beacons.truncate(MOST_BEACONS);
     let mut landed = Vec::new();
     for (number, beacon) in beacons.iter().enumerate() {
         let light = Light {
-            number: number as u32,
+            number: number as u16,
             beacon,
             seed,
         };
@@ -89,7 +92,7 @@ struct Flown {
 
 /// A light whose photons are traced.
 struct Light<'a> {
-    number: u32,
+    number: u16,
     beacon: &'a Beacon,
     seed: u64,
 }

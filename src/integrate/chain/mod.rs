@@ -107,12 +107,12 @@ impl Chains {
         let Some(beacon) = self.beacons.iter().position(|b| b.is(light)) else {
             return 1.0;
         };
-        let aimed = self.pdf(scene, &station.place, station.dir, chain, beacon as u32);
+        let aimed = self.pdf(scene, &station.place, station.dir, chain, beacon as u16);
         power_heuristic(station.pdf, aimed * station.chance)
     }
 
     /// Density with which aiming from a place draws a direction whose chain is `chain` and ends in `beacon`.
-    fn pdf(&self, scene: &Scene, place: &Place, dir: Vec3, chain: Kinds, beacon: u32) -> f32 {
+    fn pdf(&self, scene: &Scene, place: &Place, dir: Vec3, chain: Kinds, beacon: u16) -> f32 {
         let seeds = self.seeds.near(place.position);
         let Some(owner) = owner(seeds, place, dir, chain, beacon) else {
             return 0.0;
@@ -131,7 +131,7 @@ fn total(seeds: &[Seed], place: &Place) -> f32 {
 }
 
 /// The seed that alone may draw a direction: of those with its chain the one that is seen next to it.
-fn owner(seeds: &[Seed], place: &Place, dir: Vec3, chain: Kinds, beacon: u32) -> Option<usize> {
+fn owner(seeds: &[Seed], place: &Place, dir: Vec3, chain: Kinds, beacon: u16) -> Option<usize> {
     let mut best = (focus::FARTHEST_COSINE, None);
     for (i, seed) in seeds.iter().enumerate() {
         if seed.chain != chain || seed.beacon != beacon || place.weight(seed) <= 0.0 {

@@ -68,6 +68,6 @@ impl Place {
     #[inline]
     pub(super) fn weight(&self, seed: &Seed) -> f32 {
         let behind = self.side != Vec3::ZERO && self.side.dot(seed.seen_from(self.position)) <= 0.0;
-        if behind { 0.0 } else { seed.weight }
+        if behind { 0.0 } else { seed.weight() }
     }
 }

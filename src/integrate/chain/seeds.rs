@@ -19,18 +19,39 @@ pub struct Landed {
 /// Photons in a region, at most: the more, the rarer the images that some photon has found, and the more seeds that are far from
 /// where one is. (How many photons a search leads back to, and the seeds in all, for regions of 64, 128, 256 and 1024 with up to
 /// 24, 48, 96 and 200 seeds: a torus in glass 0.894 of 90 700, 0.911 of 60 200, 0.920 of 40 300, 0.927 of 20 600; lux-pool
-/// with 64, 256 and 1024 0.819 of 13 500, 0.814 of 9200, 0.809 of 6700. The variance under glass balls is 1.02 and 1.05 times as large with 128 and 256.)
-const PER_REGION: usize = 128;
+/// with 64, 256 and 1024 0.819 of 13 500, 0.814 of 9200, 0.809 of 6700. The variance under glass balls is 1.02 and 1.05 times as large with 128 and 256.
+/// That was when regions were halved until none had more, and had three quarters of that on average; now all are nearly full.)
+const PER_REGION: usize = 160;
 /// Most seeds of a region.
 const MOST: usize = 48;
 
-/// A node of the tree over space.
+/// A node of the tree over space, in eight bytes.
 #[derive(Clone, Copy, Debug)]
-enum Node {
-    /// The first child; the second is the next node.
-    Split { axis: u8, at: f32, first: u32 },
-    /// A range of seeds.
-    Region { from: u32, to: u32 },
+struct Node {
+    /// Two bits: the axis that it is split along, or [`REGION`]. Thirty bits: its first child, which the second follows, or the
+    /// first of its seeds.
+    what: u32,
+    /// The bits of where it is split, or the number of its seeds.
+    more: u32,
+}
+
+/// Instead of an axis: a region.
+const REGION: u32 = 3;
+
+impl Node {
+    fn split(axis: usize, at: f32, first: usize) -> Self {
+        Self::new(axis as u32, first, at.to_bits())
+    }
+
+    fn region(from: usize, seeds: usize) -> Self {
+        Self::new(REGION, from, seeds as u32)
+    }
+
+    /// There are fewer than 2^30 nodes and seeds: no more than photons.
+    fn new(kind: u32, first: usize, more: u32) -> Self {
+        let what = kind << 30 | first as u32;
+        Self { what, more }
+    }
 }
 
 /// All seeds.
@@ -49,7 +70,7 @@ impl Seeds {
         covers: &(impl Fn(&[Seed], &Landed) -> Option<usize> + Sync),
     ) -> Self {
         let mut seeds = Self {
-            nodes: vec![Node::Region { from: 0, to: 0 }],
+            nodes: vec![Node::region(0, 0)],
             list: Vec::new(),
         };
         let mut regions = Vec::new();
@@ -59,10 +80,8 @@ impl Seeds {
             .map(|(_, photons)| region(photons, begin, covers))
             .collect();
         for ((node, _), found) in regions.iter().zip(found) {
-            let from = seeds.list.len() as u32;
+            seeds.nodes[*node] = Node::region(seeds.list.len(), found.len());
             seeds.list.extend(found);
-            let to = seeds.list.len() as u32;
-            seeds.nodes[*node] = Node::Region { from, to };
         }
         seeds
     }
@@ -85,19 +104,16 @@ impl Seeds {
             return;
         }
         let axis = size.max_position();
-        let middle = landed.len() / 2;
+        // Regions are of one size, and as large as they may be.
+        let regions_here = landed.len().div_ceil(PER_REGION);
+        let middle = regions_here / 2 * landed.len() / regions_here;
         landed.select_nth_unstable_by(middle, |a, b| {
             a.place.position[axis].total_cmp(&b.place.position[axis])
         });
         let at = landed[middle].place.position[axis];
         let first = self.nodes.len();
-        self.nodes[node] = Node::Split {
-            axis: axis as u8,
-            at,
-            first: first as u32,
-        };
-        let empty = Node::Region { from: 0, to: 0 };
-        self.nodes.extend([empty, empty]);
+        self.nodes[node] = Node::split(axis, at, first);
+        self.nodes.extend([Node::region(0, 0); 2]);
         let (low, high) = landed.split_at_mut(middle);
         self.divide(first, low, regions);
         self.divide(first + 1, high, regions);
@@ -108,12 +124,12 @@ impl Seeds {
     pub fn near(&self, p: Vec3) -> &[Seed] {
         let mut node = 0;
         loop {
-            match self.nodes[node] {
-                Node::Split { axis, at, first } => {
-                    node = first as usize + usize::from(p[axis as usize] >= at);
-                }
-                Node::Region { from, to } => return &self.list[from as usize..to as usize],
+            let Node { what, more } = self.nodes[node];
+            let (kind, first) = (what >> 30, (what & (u32::MAX >> 2)) as usize);
+            if kind == REGION {
+                return &self.list[first..first + more as usize];
             }
+            node = first + usize::from(p[kind as usize] >= f32::from_bits(more));
         }
     }
 
@@ -156,9 +172,9 @@ fn region(
         came.push(1);
     }
     for (seed, came) in found.iter_mut().zip(came) {
-        seed.weight = (came as f32).sqrt();
+        *seed = seed.weighted((came as f32).sqrt());
     }
-    found.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+    found.sort_by(|a, b| b.weight().total_cmp(&a.weight()));
     found.truncate(MOST);
     found
 }
