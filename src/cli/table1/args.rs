@@ -45,9 +45,12 @@ pub struct Table1Args {
     /// Photon paths a batch
     #[arg(long, value_name = "N", default_value_t = 300_000, value_parser = clap::value_parser!(u64).range(1..=1 << 32), help_heading = "Guiding")]
     pub photons: u64,
-    /// Memory for a field while it is learned, such as 64M
+    /// Memory for a double hierarchy while it is learned, such as 64M
     #[arg(long, value_name = "BYTES", default_value = "256M", value_parser = values::bytes, help_heading = "Guiding")]
     pub guide_memory: usize,
+    /// Memory for mixtures while they are learned: they take what they need, unless this is little
+    #[arg(long, value_name = "BYTES", default_value = "256M", value_parser = values::bytes, help_heading = "Guiding")]
+    pub gmm_memory: usize,
     /// Camera paths that teach the field of double-render, as in "twintree render"
     #[arg(
         long,

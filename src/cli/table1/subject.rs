@@ -37,6 +37,7 @@ pub struct Subject {
     batches: u32,
     paths: u64,
     memory: u64,
+    gmm_memory: u64,
 }
 
 /// What one method came to.
@@ -106,6 +107,7 @@ impl Subject {
             photons: args.photons.saturating_mul(u64::from(args.batches)),
             batches: args.batches,
             memory: args.guide_memory as u64,
+            gmm_memory: args.gmm_memory as u64,
             paths: args.paths,
         })
     }
@@ -195,7 +197,10 @@ impl Subject {
         let model = match method {
             Method::None => return Ok(self.draw(&view, None, [0, 0], Duration::ZERO)),
             Method::Gmm => {
-                let how = self.learning(&settings, self.batches, ModelKind::default());
+                let how = LearnSettings {
+                    memory: self.gmm_memory,
+                    ..self.learning(&settings, self.batches, ModelKind::default())
+                };
                 let learned = learn_mixtures(&view, &how)?;
                 let bytes = [learned.mixtures.bytes(), learned.training_bytes];
                 let guide = (&learned.mixtures).into();
