@@ -199,17 +199,18 @@ mod tests {
     fn an_image_in_an_edge_turns_with_moves_across_it_alone() {
         let (seed, frame) = seed(Vec3::new(0.3, 0.4, 1.0), [0.5, 0.0, 0.0]);
         let move_along = PLACE + frame.t * 0.4;
-        let rounding = rounding(move_along, 0.5);
-        assert!(error(&seed, move_along, frame.n) < rounding);
+        assert!(error(&seed, move_along, frame.n) < rounding(move_along, 0.5));
         let move_across = PLACE + frame.s * 0.4;
-        assert!(error(&seed, move_across, frame.n * 2.0 - frame.s * 0.4) < rounding);
+        let expected = frame.n * 2.0 - frame.s * 0.4;
+        assert!(error(&seed, move_across, expected) < rounding(move_across, 0.5));
         // Along neither: both at once.
         let slanted = [0.25, 0.25, 0.25];
         let (seed, frame) = self::seed(Vec3::new(0.3, 0.4, 1.0), slanted);
         let place = PLACE + (frame.s - frame.t) * 0.4;
-        assert!(error(&seed, place, frame.n) < 1.5 * rounding);
+        assert!(error(&seed, place, frame.n) < rounding(place, 0.5));
         let place = PLACE + (frame.s + frame.t) * 0.4;
-        assert!(error(&seed, place, frame.n - (frame.s + frame.t) * 0.2) < 1.5 * rounding);
+        let expected = frame.n - (frame.s + frame.t) * 0.2;
+        assert!(error(&seed, place, expected) < rounding(place, 0.5));
     }
 
     #[test]

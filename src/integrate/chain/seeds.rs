@@ -20,7 +20,8 @@ pub struct Landed {
 /// where one is. (How many photons a search leads back to, and the seeds in all, for regions of 64, 128, 256 and 1024 with up to
 /// 24, 48, 96 and 200 seeds: a torus in glass 0.894 of 90 700, 0.911 of 60 200, 0.920 of 40 300, 0.927 of 20 600; lux-pool
 /// with 64, 256 and 1024 0.819 of 13 500, 0.814 of 9200, 0.809 of 6700. The variance under glass balls is 1.02 and 1.05 times as large with 128 and 256.
-/// That was when regions were halved until none had more, and had three quarters of that on average; now all are nearly full.)
+/// That was when regions were halved until none had more, and had three quarters of that on average; now all are nearly full: with 128 and 160 a
+/// torus in glass has an error of 0.00541 and 0.00556, for 5 % less rays.)
 const PER_REGION: usize = 160;
 /// Most seeds of a region.
 const MOST: usize = 48;
