@@ -234,6 +234,15 @@ pub struct World {
     pub instances: Vec<Instance>,
 }
 
+impl World {
+    /// The same without these of the geometries that stand by themselves.
+    pub fn without(&self, left_out: impl Fn(&Geometry) -> bool) -> Self {
+        let mut rest = self.clone();
+        rest.geometries.retain(|geometry| !left_out(geometry));
+        rest
+    }
+}
+
 /// How opaque a masked geometry is at a hit: 0 lets every ray through, 1 none.
 pub trait Opacity: Send + Sync {
     /// Opacity at the hit, in `[0, 1]`.

@@ -26,7 +26,7 @@ struct Gathered {
 
 impl Lights {
     /// Prepares emitters for sampling. `shapes` are the glowing shapes in the order [`Emitter::Area`]
-    /// numbers them; `bounds` holds the whole scene.
+    /// numbers them; `bounds` holds the whole scene, `target` what photons are to land on.
     ///
     /// Emitters of no power and surfaces of no area are never sampled. Channels of a radiance that
     /// are negative, infinite or not numbers count as 0. An error names the image that could not be read.
@@ -34,6 +34,7 @@ impl Lights {
         emitters: Vec<Emitter>,
         shapes: &[EmitterShape],
         bounds: Bounds,
+        target: Bounds,
     ) -> Result<Self, ImageError> {
         let mut gathered = Gathered::default();
         for (id, emitter) in emitters.into_iter().enumerate() {
@@ -48,7 +49,7 @@ impl Lights {
             distant,
             rejected_texels,
         } = gathered;
-        let emission = Sources::new(&leaves, &distant, bounds);
+        let emission = Sources::new(&leaves, &distant, bounds, target);
         Ok(Self {
             areas,
             local: local(leaves),

@@ -51,10 +51,12 @@ impl Scene {
             .map(|i| (i.to_world, i.to_world.inverse()))
             .collect();
         let instance_groups = world.instances.iter().map(|i| i.group).collect();
-        let list = std::mem::take(&mut description.shapes)
+        let list: Vec<Surface> = std::mem::take(&mut description.shapes)
             .into_iter()
             .map(|shape| surface_of(shape, &materials))
             .collect();
+        let glows = |g: &accel::Geometry| list[g.id as usize].emitter != DARK;
+        let dark = accel::world_bounds(&world.without(glows));
         let surfaces = Arc::new(Surfaces {
             list,
             instances,
@@ -62,7 +64,10 @@ impl Scene {
             materials,
         });
         let rays = accel::build(world, settings, Some(surfaces.clone()), backend)?;
-        let lights = Lights::build(emitters, &glowing, rays.bounds())?;
+        let bounds = rays.bounds();
+        // Photons are to land on what does not glow by itself, if there is anything.
+        let target = if dark.radius() > 0.0 { dark } else { bounds };
+        let lights = Lights::build(emitters, &glowing, bounds, target)?;
         Ok(Self {
             surfaces,
             lights,

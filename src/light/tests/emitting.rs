@@ -221,3 +221,81 @@ fn surfaces_shine_by_the_cosine() {
     }
     assert!((first - 2.0 / 3.0).abs() < 0.003 && (second - 0.5).abs() < 0.003);
 }
+
+/// Lights that are far from what photons are to land on.
+fn far() -> Vec<(&'static str, Setup)> {
+    let shape = |s: EmitterShape| setup(vec![(s, grey(200.0))], vec![]);
+    let disk = placed(Vec3::splat(3.0), Vec3::new(5.0, 3.0, 20.0));
+    let point = Emitter::Point {
+        position: Vec3::new(9.0, -3.0, 30.0),
+        intensity: Rgb::splat(3e4),
+    };
+    vec![
+        ("far sphere", shape(exact(ExactKind::Sphere, disk, false))),
+        ("far disk", shape(exact(ExactKind::Disk, disk, true))),
+        (
+            "far triangles",
+            shape(quad_mesh(
+                Vec3::new(0.0, 12.0, 20.0),
+                Vec3::Y * 4.0,
+                Vec3::X,
+            )),
+        ),
+        ("far point", setup(vec![], vec![point])),
+    ]
+}
+
+#[test]
+fn photons_from_afar_are_the_light_that_arrives() {
+    for (name, s) in far() {
+        let n = Vec3::new(0.3, 0.1, 0.9).normalize();
+        compare_flux(name, &s, Vec3::new(0.2, 0.1, 0.3), n);
+    }
+}
+
+/// All that leave pass the ball that they are sent to. A far point sends what falls on it: I 2 pi (1 - sqrt(1 - (r / d)^2)).
+#[test]
+fn photons_from_afar_arrive() {
+    let radius = BOUNDS.radius() * 1.001;
+    let mut rng = Pcg32::new(9, 3);
+    for (name, s) in far() {
+        for _ in 0..10_000 {
+            let Some(e) = s.lights.emit(numbers(&mut rng)) else {
+                continue;
+            };
+            let past = (-e.org).dot(e.dir);
+            let aside = (e.org + e.dir * past).length();
+            assert!(past > 0.0 && aside < radius, "{name}: {aside}");
+        }
+    }
+    let distance2 = 9f32.powi(2) + 3f32.powi(2) + 30f32.powi(2);
+    let sin2 = (BOUNDS.radius() * 1.0001).powi(2) / distance2;
+    let (_, point) = far().pop().unwrap();
+    let expected = 3e4 * 2.0 * PI * (1.0 - (1.0 - sin2).sqrt());
+    expect_power("far point", &point, expected);
+}
+
+/// What is sent to the scene counts when lights are chosen, not what is sent into the void.
+#[test]
+fn a_far_light_is_chosen_by_what_it_sends_here() {
+    let disk = |radius, at, flip| {
+        let map = Affine3A::from_translation(at) * Affine3A::from_scale(Vec3::splat(radius));
+        exact(ExactKind::Disk, map, flip)
+    };
+    let near = disk(1.0, Vec3::Z, false);
+    let far = disk(3.0, Vec3::Z * 40.0, true);
+    let s = setup(vec![(near, grey(1.0)), (far, grey(10.0))], vec![]);
+    let mut rng = Pcg32::new(5, 7);
+    let (mut of_far, draws) = (0.0, 100_000);
+    for _ in 0..draws {
+        let e = s.lights.emit(numbers(&mut rng)).unwrap();
+        of_far += f64::from(e.emitter) / f64::from(draws);
+    }
+    // A ball of radius r at a distance d takes pi r^2 / d^2, and the disk faces it: 10 pi 3^2 of that, beside pi pi.
+    let angle = f64::from(BOUNDS.radius()).powi(2) / 1600.0;
+    let expected = 90.0 * angle / (90.0 * angle + 1.0);
+    assert!(
+        (of_far / expected - 1.0).abs() < 0.03,
+        "{of_far} instead of {expected}"
+    );
+}

@@ -176,7 +176,7 @@ fn texels_that_are_no_light() {
         to_world: Affine3A::IDENTITY,
         gamma: None,
     };
-    let error = Lights::build(vec![missing], &[], BOUNDS).unwrap_err();
+    let error = Lights::build(vec![missing], &[], BOUNDS, BOUNDS).unwrap_err();
     assert!(error.to_string().contains("no such map.exr"));
 }
 
