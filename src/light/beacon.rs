@@ -95,6 +95,23 @@ impl Beacon {
             }
         }
     }
+
+    /// The derivative of that, where the derivatives of the ray's origin and direction are these.
+    pub fn crossing_change(&self, plane: &Frame, ray: &Ray, [org, dir]: [Vec3; 2]) -> Vec2 {
+        let along = plane.to_local(ray.dir);
+        let change = plane.to_local(dir);
+        let slope = Vec2::new(along.x, along.y) / along.z;
+        let slopes = (Vec2::new(change.x, change.y) - slope * change.z) / along.z;
+        match self {
+            Self::Sun { radius, .. } => slopes / *radius,
+            Self::Lamp { center, radius, .. } => {
+                let height = plane.to_local(ray.org - *center).z;
+                let moved = plane.to_local(org);
+                let aside = Vec2::new(moved.x, moved.y) - slope * moved.z;
+                (aside - slopes * height) / *radius
+            }
+        }
+    }
 }
 
 impl Lights {
@@ -162,4 +179,35 @@ fn ball(leaves: &[(EmitterId, Leaf)]) -> (Vec3, f32) {
     let center = bounds.center();
     let reach = |ball: &Cluster| ball.center.distance(center) + ball.radius;
     (center, balls.iter().map(reach).fold(0.0, f32::max))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_crossing_changes_as_neighbours_cross() {
+        const STEP: f32 = 1e-3;
+        let center = Vec3::new(1.0, 6.0, -2.0);
+        let lamp = Beacon::Lamp {
+            emitter: 0,
+            center,
+            radius: 0.5,
+        };
+        let sun = Beacon::sun(center.normalize(), 0.05).expect("it is small");
+        let org = Vec3::new(0.2, -0.3, 0.1);
+        let plane = Frame::new((center - org).normalize());
+        let dir = (center - org + Vec3::new(0.3, 0.0, 0.4)).normalize();
+        let change = [Vec3::new(0.4, 0.1, -0.2), Vec3::new(0.2, -0.1, 0.3)];
+        for light in [sun, lamp] {
+            let at = |step: f32| {
+                let ray = Ray::new(org + change[0] * step, dir + change[1] * step);
+                light.crossing(&plane, &ray).unwrap()
+            };
+            let expected = (at(STEP) - at(-STEP)) / (2.0 * STEP);
+            let found = light.crossing_change(&plane, &Ray::new(org, dir), change);
+            let off = (found - expected).length() / expected.length();
+            assert!(off < 0.01, "{found} instead of {expected}");
+        }
+    }
 }

@@ -7,6 +7,7 @@
 use super::cluster::Cluster;
 use super::distant::Distant;
 use super::leaf::Leaf;
+use super::target::Target;
 use super::{EmitterId, Lights};
 use crate::accel::Bounds;
 use crate::math::distribution::{Discrete, widen};
@@ -39,58 +40,9 @@ pub(super) struct Sources {
     radius: f32,
 }
 
-/// A ball around all that photons are to land on.
-#[derive(Clone, Copy, Debug)]
-struct Target {
-    center: Vec3,
-    radius: f32,
-}
-
-/// The directions in which a target is seen.
-struct Cone {
-    axis: Vec3,
-    one_minus_cos: f32,
-}
-
-/// Photons from outside start on a disk a little wider than the scene's sphere, which touches corners.
-const MARGIN: f32 = 1.0001;
-/// From where a target takes more than this sine squared (30 degrees), photons leave in all directions: few would miss.
-const WIDE: f32 = 0.25;
 /// A light is not taken to send less than this part of what it sends along its normal: some of the target may lie before it
 /// though the middle lies behind.
 const LEAST_COSINE: f32 = 0.05;
-
-impl Target {
-    fn new(bounds: Bounds) -> Self {
-        Self {
-            center: bounds.center(),
-            radius: bounds.radius() * MARGIN,
-        }
-    }
-
-    /// The cone in which it is seen from a place; `None` where that is wide.
-    fn cone(&self, from: Vec3) -> Option<Cone> {
-        let to = self.center - from;
-        let sin2 = self.radius * self.radius / to.length_squared();
-        // (Nor where it is a point.)
-        let narrow = sin2 > 0.0 && sin2 < WIDE;
-        narrow.then(|| Cone {
-            axis: to.normalize(),
-            // 1 - sqrt(1 - s), without cancellation.
-            one_minus_cos: sin2 / (1.0 + (1.0 - sin2).sqrt()),
-        })
-    }
-}
-
-impl Cone {
-    fn solid_angle(&self) -> f32 {
-        TAU * self.one_minus_cos
-    }
-
-    fn sample(&self, u: Vec2) -> Vec3 {
-        Frame::new(self.axis).to_world(uniform_cone(u, self.one_minus_cos))
-    }
-}
 
 impl Sources {
     /// For a scene within `bounds`, to land on what is within `target`. `None` if nothing shines.
@@ -112,7 +64,7 @@ impl Sources {
         Some(Self {
             choice: Discrete::new(&weights)?,
             target,
-            radius: bounds.radius() * MARGIN,
+            radius: bounds.radius(),
         })
     }
 

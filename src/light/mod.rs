@@ -30,6 +30,7 @@ mod sphere;
 mod spot;
 mod sun;
 mod sunsky;
+mod target;
 #[cfg(test)]
 mod tests;
 mod tree;

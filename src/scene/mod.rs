@@ -8,6 +8,7 @@ pub mod import;
 pub mod precautions;
 pub mod spare;
 pub mod surface;
+mod turning;
 
 pub use build::{BuildError, Scene};
 pub use description::{Description, Geometry, Mesh, Shape};

@@ -1,9 +1,9 @@
 //! Newton's method: from a seed to the light's image.
 
 use super::Place;
-use super::follow::{Cone, Kinds, follow_all};
+use super::follow::{Arrived, Kinds, follow_pencil};
+use super::pencil::Pencil;
 use super::seed::Seed;
-use crate::accel::Ray;
 use crate::light::Beacon;
 use crate::math::warp::concentric_disk;
 use crate::math::{Frame, Vec2, Vec3};
@@ -13,15 +13,11 @@ use std::f32::consts::FRAC_1_PI;
 
 /// Steps at most. (With 3: 1.15 times the variance of a torus in glass, for 0.95 of the time.)
 const STEPS: u32 = 6;
-/// Angle over which derivatives are measured: well below the angle under which a rounded edge is seen, and well above
-/// the rounding errors of hits and normals.
+/// Angle over which derivatives are measured where they are not known (see [`Pencil::pass`]): well below the angle under which a
+/// rounded edge is seen, and well above the rounding errors of hits and normals.
 const DIFFERENCE: f32 = 2e-4;
 /// The middle of a light is met to this part of its radius.
 const CLOSE: f32 = 0.25;
-/// A step that leads as near to the middle of the light, relative to where it began, went through a map so straight that
-/// its derivative holds at its end, too. (0.05 to 0.2 are as good; measured anew after every step, a torus in glass takes 3 %
-/// more rays, a pool under a small sun 4 %.)
-const STRAIGHT: f32 = 0.1;
 /// Longest step, and how far an image may lie from where its seed is seen, as a tangent.
 const FARTHEST: f32 = 0.35;
 /// Cosine of the angle between them at most.
@@ -106,31 +102,71 @@ impl<'v> View<'v> {
         })
     }
 
-    /// Where the chain leads from several places of the frame's plane.
-    fn lead<const N: usize>(&mut self, at: [Vec2; N]) -> [Option<Vec2>; N] {
-        let dirs = at.map(|at| self.frame.to_world(at.extend(1.0)).normalize());
-        let rays = dirs.map(|dir| self.place.ray(dir));
-        self.lead_along(rays)
+    /// Where the chain leads from a place of the frame's plane, and the derivative of that.
+    fn lead(&mut self, at: Vec2) -> Option<Lead> {
+        let towards = self.frame.to_world(at.extend(1.0));
+        let (length, dir) = (towards.length(), towards.normalize());
+        let turns = [self.frame.s, self.frame.t].map(|s| s.reject_from_normalized(dir) / length);
+        let arrived = self.follow(dir, Pencil::from_point(turns))?;
+        let out = self.out(&arrived)?;
+        let derivative = match self.change(&arrived) {
+            Some(derivative) => derivative,
+            None => self.difference(at, out)?,
+        };
+        Some(Lead { out, derivative })
     }
 
-    /// The same from several rays.
-    fn lead_along<const N: usize>(&mut self, rays: [Ray; N]) -> [Option<Vec2>; N] {
-        *self.traced += N as u32 * self.chain.len();
-        follow_all(self.scene, rays, self.chain, Cone::NONE, false).map(|arrived| {
-            let ray = arrived?.ray;
-            let plane = self.plane.get_or_insert_with(|| self.light.facing(ray.org));
-            self.light.crossing(plane, &ray)
-        })
+    fn follow(&mut self, dir: Vec3, pencil: Pencil) -> Option<Arrived> {
+        *self.traced += self.chain.len();
+        follow_pencil(self.scene, self.place.ray(dir), pencil, self.chain)
     }
 
-    /// The derivative of that at a place which leads to `out`, and its inverse, where an image of the light's size is small.
-    fn slope(&mut self, at: Vec2, out: Vec2) -> Option<(Mat2, Mat2)> {
-        let [x, y] = self.lead([Vec2::X, Vec2::Y].map(|axis| at + axis * DIFFERENCE));
-        let derivative = Mat2::from_cols(x? - out, y? - out) * DIFFERENCE.recip();
-        let inverse = derivative.inverse();
+    /// Where the end of a chain meets the plane of the light, in its radii.
+    fn out(&mut self, arrived: &Arrived) -> Option<Vec2> {
+        let ray = &arrived.ray;
+        let plane = self.plane.get_or_insert_with(|| self.light.facing(ray.org));
+        self.light.crossing(plane, ray)
+    }
+
+    /// The derivative of that.
+    fn change(&self, arrived: &Arrived) -> Option<Mat2> {
+        let Pencil { org, dir } = arrived.pencil?;
+        let change = |i: usize| {
+            let change = [org[i], dir[i]];
+            Some(
+                self.light
+                    .crossing_change(self.plane.as_ref()?, &arrived.ray, change),
+            )
+        };
+        Some(Mat2::from_cols(change(0)?, change(1)?))
+    }
+
+    /// The same by the difference of neighbours.
+    fn difference(&mut self, at: Vec2, out: Vec2) -> Option<Mat2> {
+        let mut aside = |axis: Vec2| {
+            let dir = self.frame.to_world((at + axis * DIFFERENCE).extend(1.0));
+            let unused = Pencil::from_point([Vec3::ZERO; 2]);
+            let arrived = self.follow(dir.normalize(), unused)?;
+            Some((self.out(&arrived)? - out) * DIFFERENCE.recip())
+        };
+        Some(Mat2::from_cols(aside(Vec2::X)?, aside(Vec2::Y)?))
+    }
+}
+
+/// Where a chain leads.
+struct Lead {
+    /// In the plane of the light, in its radii.
+    out: Vec2,
+    derivative: Mat2,
+}
+
+impl Lead {
+    /// The inverse of the derivative, where an image of the light's size is small.
+    fn inverse(&self) -> Option<Mat2> {
+        let inverse = self.derivative.inverse();
         let size = inverse.x_axis.length_squared() + inverse.y_axis.length_squared();
         // Nothing is if the derivative vanishes: that is no number.
-        (size <= FARTHEST * FARTHEST).then_some((derivative, inverse))
+        (size <= FARTHEST * FARTHEST).then_some(inverse)
     }
 }
 
@@ -146,28 +182,24 @@ pub fn focus(
     let towards = seed.seen_from(place.position);
     let mut view = View::new((scene, place), seed, light, towards, traced)?;
     let mut at = Vec2::ZERO;
-    let mut out = view.lead([at])[0]?;
-    let mut slope = None;
+    let mut lead = view.lead(at)?;
     for _ in 0..STEPS {
-        let (derivative, inverse) = slope.or_else(|| view.slope(at, out))?;
+        let (out, inverse) = (lead.out, lead.inverse()?);
         if out.length_squared() <= CLOSE * CLOSE {
             return Some(Focus {
                 frame: view.frame,
                 at,
                 out,
-                derivative,
+                derivative: lead.derivative,
                 inverse,
             });
         }
-        let step = (inverse * -out).clamp_length_max(FARTHEST);
-        let next = view.lead([at + step])[0]?;
+        at += (inverse * -out).clamp_length_max(FARTHEST);
+        lead = view.lead(at)?;
         // Halving a step that leads further away finds 6 % more, for a fifth more rays.
-        if next.length_squared() >= out.length_squared() || (at + step).length() > FARTHEST {
+        if lead.out.length_squared() >= out.length_squared() || at.length() > FARTHEST {
             return None;
         }
-        let straight = next.length() <= STRAIGHT * out.length();
-        slope = straight.then_some((derivative, inverse));
-        (at, out) = (at + step, next);
     }
     None
 }
@@ -178,19 +210,15 @@ pub fn focus(
 ///
 /// (Of photons that come by chains, how many a search from their region's seeds leads back to, and the rays of a search,
 /// with images at the panes and like this: a torus in glass 0.862 and 8.1, 0.894 and 6.0; lux-pool 0.807 and 5.8, 0.819 and
-/// 4.0; a kitchen 0.907 and 7.9, 0.947 and 5.8; `scenes/pool` 0.991 and 4.9, 0.996 and 3.3.)
+/// 4.0; a kitchen 0.907 and 7.9, 0.947 and 5.8; `scenes/pool` 0.991 and 4.9, 0.996 and 3.3, all when derivatives took rays of their own.)
 pub fn curved(scene: &Scene, place: &Place, seed: &Seed, light: &Beacon) -> Option<Seed> {
     let mut traced = 0;
     let middle = focus(scene, place, seed, light, &mut traced)?.middle();
     let mut view = View::new((scene, place), seed, light, middle, &mut traced)?;
-    let out = view.lead([Vec2::ZERO])[0]?;
-    let (_, inverse) = view.slope(Vec2::ZERO, out)?;
-    // As far aside, at the mirror or pane, as a ray that is turned.
-    let step = DIFFERENCE / seed.nearness();
+    let inverse = view.lead(Vec2::ZERO)?.inverse()?;
     let Frame { s, t, n } = view.frame;
-    let moved = [place.moved(n, s * step)?, place.moved(n, t * step)?];
-    let [x, y] = view.lead_along(moved.map(|place| place.ray(n)));
-    let turned = inverse * Mat2::from_cols(x? - out, y? - out) * step.recip();
+    let arrived = view.follow(n, Pencil::aside([s, t]))?;
+    let turned = inverse * view.change(&arrived)?;
     // Symmetric but for rounding.
     let slant = 0.5 * (turned.x_axis.y + turned.y_axis.x);
     let curvature = [turned.x_axis.x, slant, turned.y_axis.y];

@@ -1,5 +1,6 @@
 //! A chain of mirrors and clear glass, followed.
 
+use super::pencil::Pencil;
 use crate::accel::{Hit, Ray};
 use crate::bsdf::{Bsdf, BsdfSample, LobeFlags, Transport};
 use crate::integrate::next_event::crosses;
@@ -96,6 +97,8 @@ pub struct Arrived {
     pub weight: Rgb,
     /// What the ray stands for.
     pub cone: Cone,
+    /// Its neighbours, if they are asked for and known.
+    pub pencil: Option<Pencil>,
 }
 
 /// The delta lobe of a kind, with its value instead of a weight.
@@ -103,7 +106,13 @@ fn lobe(bsdf: &Bsdf, wo: Vec3, kind: u32) -> Option<BsdfSample> {
     if !bsdf.flags().has(LobeFlags::DELTA) {
         return None;
     }
-    [0.0, BELOW_ONE].into_iter().find_map(|u| {
+    // Reflection comes first, mostly: where it is not wanted, it is not looked at first.
+    let either = if kind == 1 {
+        [0.0, BELOW_ONE]
+    } else {
+        [BELOW_ONE, 0.0]
+    };
+    either.into_iter().find_map(|u| {
         let mut sample = bsdf.sample(wo, u, Vec2::splat(0.5), Transport::Radiance)?;
         sample.weight *= sample.pdf;
         (sample.lobe.has(LobeFlags::DELTA) && bits(sample.lobe) == kind).then_some(sample)
@@ -115,7 +124,12 @@ fn pass(scene: &Scene, arrived: Arrived, hit: &Hit, kind: u32, strict: bool) -> 
     if !hit.is_some() {
         return None;
     }
-    let Arrived { ray, mut cone, .. } = arrived;
+    let Arrived {
+        ray,
+        mut cone,
+        pencil,
+        ..
+    } = arrived;
     let wo = -ray.dir;
     cone.grow(hit.t);
     let point = scene.surfaces.point(&ray, hit, cone.width);
@@ -135,46 +149,39 @@ fn pass(scene: &Scene, arrived: Arrived, hit: &Hit, kind: u32, strict: bool) -> 
         ),
         weight: arrived.weight * sample.weight,
         cone,
+        pencil: pencil.and_then(|p| p.pass(scene, (&ray, hit), &point, &sample)),
     })
 }
 
 /// Follows a chain along a ray.
 pub fn follow(scene: &Scene, ray: Ray, chain: Kinds, cone: Cone, strict: bool) -> Option<Arrived> {
-    follow_all(scene, [ray], chain, cone, strict)[0]
+    walk(scene, ray, chain, (cone, None), strict)
 }
 
-/// Follows a chain along several rays side by side.
-pub fn follow_all<const N: usize>(
+/// The same, with the neighbours of the ray.
+pub fn follow_pencil(scene: &Scene, ray: Ray, pencil: Pencil, chain: Kinds) -> Option<Arrived> {
+    walk(scene, ray, chain, (Cone::NONE, Some(pencil)), false)
+}
+
+fn walk(
     scene: &Scene,
-    rays: [Ray; N],
+    ray: Ray,
     chain: Kinds,
-    cone: Cone,
+    (cone, pencil): (Cone, Option<Pencil>),
     strict: bool,
-) -> [Option<Arrived>; N] {
-    let mut all = rays.map(|ray| {
-        let weight = Rgb::ONE;
-        Some(Arrived { ray, weight, cone })
-    });
+) -> Option<Arrived> {
+    let mut arrived = Arrived {
+        ray,
+        weight: Rgb::ONE,
+        cone,
+        pencil,
+    };
     let mut kinds = chain.0;
     while kinds != 0 {
-        let rays = all.map(|a| a.map_or(NOWHERE, |a| a.ray));
-        let mut hits = [Hit::NONE; N];
-        scene.rays.intersect_batch(&rays, &mut hits);
-        for i in 0..N {
-            all[i] = all[i].and_then(|a| pass(scene, a, &hits[i], kinds & 3, strict));
-        }
-        if all.iter().all(Option::is_none) {
-            break;
-        }
+        let mut hits = [Hit::NONE];
+        scene.rays.intersect_batch(&[arrived.ray], &mut hits);
+        arrived = pass(scene, arrived, &hits[0], kinds & 3, strict)?;
         kinds >>= 2;
     }
-    all
+    Some(arrived)
 }
-
-/// A ray that meets nothing.
-const NOWHERE: Ray = Ray {
-    org: Vec3::ZERO,
-    tmin: 1.0,
-    dir: Vec3::Z,
-    tmax: 0.0,
-};

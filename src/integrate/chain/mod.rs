@@ -5,7 +5,7 @@
 //! field over directions knows that direction, for it is another one from every point. But it can be found. Photons
 //! tell by which *chains* of mirrors and clear glass light comes into a region (`seeds`), where its image is seen and how that
 //! turns as one moves (`seed`); from any point nearby a few steps of Newton's method lead from there to the direction whose chain ends in
-//! the middle of the sun or the lamp (`focus`), and the derivative there says how large it appears.
+//! the middle of the sun or the lamp (`focus`), and the derivative there (`pencil`) says how large it appears.
 //!
 //! So a rough vertex of a guided path has one more way to sample light, beside its light sample and the direction it
 //! goes on by: a seed is drawn, brought into focus, and a direction drawn in the image (`sample`). What the
@@ -30,6 +30,7 @@ mod find;
 mod focus;
 mod follow;
 pub mod pays;
+mod pencil;
 mod place;
 mod sample;
 mod seed;

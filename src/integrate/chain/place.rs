@@ -31,9 +31,6 @@ pub struct Station {
     pub chance: f32,
 }
 
-/// How far a place that is moved may be off its surface, relative to the move.
-const OFF: f32 = 1e-3;
-
 impl Place {
     /// That of a vertex.
     pub fn new(point: &SurfacePoint, bsdf: &Bsdf, wo: Vec3) -> Self {
@@ -43,20 +40,6 @@ impl Place {
             ng: point.ng,
             side: bsdf.light_normal(wo),
         }
-    }
-
-    /// The same place moved along the surface, so that rays in direction `dir` are moved by `by`, which is at right angles to
-    /// it; `None` where they graze the surface.
-    pub(super) fn moved(&self, dir: Vec3, by: Vec3) -> Option<Self> {
-        let along = by.dot(self.ng) / dir.dot(self.ng);
-        let position = self.position + by - dir * along;
-        // The surface may curve away, and rounding leads below it: guarded by `a_seed_follows_the_suns_image_in_a_cylinder`.
-        let error = self.error + by.length() * OFF;
-        position.is_finite().then_some(Self {
-            position,
-            error,
-            ..*self
-        })
     }
 
     /// A ray that leaves it.

@@ -114,11 +114,6 @@ impl Seed {
         self.towards - self.curvature.times(place)
     }
 
-    /// One by the distance of the image, on average.
-    pub fn nearness(&self) -> f32 {
-        self.curvature.parts()[0].element_sum() / 3.0
-    }
-
     /// The same with the image seen from `place` along `frame.n`, and a wavefront that is curved by `[ss, st, tt]` along the
     /// frame's other axes; `None` if that is no number.
     pub fn curved(self, place: Vec3, frame: &Frame, curvature: [f32; 3]) -> Option<Self> {

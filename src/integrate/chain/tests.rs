@@ -1,7 +1,8 @@
 //! Tests of chains.
 
 use super::focus::curved;
-use super::follow::LONGEST;
+use super::follow::{LONGEST, follow, follow_pencil};
+use super::pencil::Pencil;
 use super::*;
 use crate::accel::{Backend, BuildSettings, ExactKind, ExactShape, Hit, Ray};
 use crate::bsdf::{LobeFlags, Material, MaterialId, Materials};
@@ -53,26 +54,36 @@ const SUN: Vec3 = Vec3::new(0.2, 0.8, -0.55);
 const AXIS: Vec3 = Vec3::new(0.0, 2.0, 3.0);
 const RADIUS: f32 = 0.5;
 
-/// A floor, y = 0, and over it a cylinder that is a mirror, in the sun.
-fn floor_and_mirror() -> Scene {
-    let grey = |value| Texture::Constant(Rgb::splat(value));
-    let mut materials = Materials::default();
-    let matt = materials.push(Material::Diffuse {
-        reflectance: grey(0.5),
-    });
-    let mirror = materials.push(Material::Conductor {
-        eta: grey(0.0),
-        k: grey(1.0),
-        specular_reflectance: grey(1.0),
-    });
-    let shape = |kind, place, material| Shape {
+fn shape(kind: ExactKind, place: Affine3A, material: MaterialId) -> Shape {
+    Shape {
         name: String::new(),
         geometry: Geometry::Exact(ExactShape::new(kind, place)),
         material,
         emitter: None,
         flip_normals: false,
         group: None,
-    };
+    }
+}
+
+fn grey(value: f32) -> Texture {
+    Texture::Constant(Rgb::splat(value))
+}
+
+fn mirror() -> Material {
+    Material::Conductor {
+        eta: grey(0.0),
+        k: grey(1.0),
+        specular_reflectance: grey(1.0),
+    }
+}
+
+/// A floor, y = 0, and over it a cylinder that is a mirror, in the sun.
+fn floor_and_mirror() -> Scene {
+    let mut materials = Materials::default();
+    let matt = materials.push(Material::Diffuse {
+        reflectance: grey(0.5),
+    });
+    let mirror = materials.push(mirror());
     let floor = Affine3A::from_rotation_x(-FRAC_PI_2) * Affine3A::from_scale(Vec3::splat(10.0));
     let cylinder = Affine3A::from_translation(AXIS - 10.0 * Vec3::X)
         * Affine3A::from_rotation_y(FRAC_PI_2)
@@ -167,4 +178,70 @@ fn a_seed_follows_the_suns_image_in_a_cylinder() {
         (turned / expected - 1.0).abs() < 0.02,
         "{turned} instead of {expected}"
     );
+}
+
+/// A ball of glass that is wider than long, and behind it a cylinder that is a mirror.
+fn glass_and_mirror() -> Scene {
+    let mut materials = Materials::default();
+    let glass = materials.push(Material::Dielectric {
+        eta: 1.5,
+        specular_reflectance: grey(1.0),
+        specular_transmittance: grey(1.0),
+    });
+    let mirror = materials.push(mirror());
+    let ball = Affine3A::from_rotation_x(0.3) * Affine3A::from_scale(Vec3::new(1.2, 1.0, 0.8));
+    let cylinder = Affine3A::from_translation(Vec3::new(0.2, -20.0, 6.0))
+        * Affine3A::from_rotation_x(-FRAC_PI_2)
+        * Affine3A::from_scale(Vec3::new(1.5, 1.5, 40.0));
+    let mut description = Description {
+        shapes: vec![
+            shape(ExactKind::Sphere, ball, glass),
+            shape(ExactKind::Cylinder, cylinder, mirror),
+        ],
+        materials,
+        ..Description::empty()
+    };
+    Scene::build(&mut description, BuildSettings::default(), Backend::Obvhs).unwrap()
+}
+
+/// Through the glass and off the mirror a pencil is what rays beside each other trace, and a ray of it arrives where
+/// they do.
+#[test]
+fn a_pencil_is_what_neighbours_trace() {
+    const STEP: f32 = 1e-3;
+    let scene = glass_and_mirror();
+    let through = LobeFlags::TRANSMISSION;
+    let chain = [through, through, LobeFlags::REFLECTION]
+        .into_iter()
+        .fold(Kinds::EMPTY, Kinds::then);
+    let (org, dir) = (
+        Vec3::new(0.3, 0.2, -3.0),
+        Vec3::new(-0.02, 0.03, 1.0).normalize(),
+    );
+    let aside = Vec3::X.reject_from(dir).normalize();
+    let axes = [aside, dir.cross(aside)];
+    let end = |org: Vec3, dir: Vec3| {
+        let ray = Ray::new(org, dir.normalize());
+        let end = follow(&scene, ray, chain, Cone::NONE, false).expect("the chain leads on");
+        (end.ray.org, end.ray.dir)
+    };
+    for (name, pencil) in [
+        ("from a point", Pencil::from_point(axes)),
+        ("aside", Pencil::aside(axes)),
+    ] {
+        let traced = follow_pencil(&scene, Ray::new(org, dir), pencil, chain).unwrap();
+        let found = traced.pencil.expect("nothing bends but the surfaces");
+        for i in 0..2 {
+            let [(from_org, from_dir), (to_org, to_dir)] = [-STEP, STEP]
+                .map(|step| end(org + pencil.org[i] * step, dir + pencil.dir[i] * step));
+            let change = (to_dir - from_dir) / (2.0 * STEP);
+            let off = (found.dir[i] - change).length() / change.length();
+            assert!(off < 0.01, "{name}: {} instead of {change}", found.dir[i]);
+            // Along the ray they may start anywhere.
+            let change = (to_org - from_org).reject_from(traced.ray.dir) / (2.0 * STEP);
+            let org = found.org[i].reject_from(traced.ray.dir);
+            let off = (org - change).length() / change.length();
+            assert!(off < 0.01, "{name}: {org} instead of {change}");
+        }
+    }
 }
