@@ -76,7 +76,12 @@ impl ExactArea {
         match self.shape.kind {
             ExactKind::Disk | ExactKind::Rectangle => {
                 let n = (self.normals * Vec3::Z).normalize() * self.sign;
-                Cluster::around(&corners, n, 1.0, radiance * self.area)
+                let cluster = Cluster::around(&corners, n, 1.0, radiance * self.area);
+                let radius = match self.shape.kind {
+                    ExactKind::Disk => self.longest_axis().min(cluster.radius),
+                    _ => cluster.radius,
+                };
+                Cluster { radius, ..cluster }
             }
             // Seen from any side about a third (cylinder) or a quarter (sphere) of the area faces a point.
             ExactKind::Cylinder => {
@@ -86,6 +91,14 @@ impl ExactArea {
                 Cluster::around(&corners, Vec3::Z, -1.0, radiance * self.area * 0.25)
             }
         }
+    }
+
+    /// The longer half axis of a disk, which a map may have made an ellipse: the root of the larger eigenvalue of its metric. The
+    /// box around a disk is wider, and half of what is aimed at that would miss.
+    fn longest_axis(&self) -> f32 {
+        let [x, y] = [Vec3::X, Vec3::Y].map(|v| self.shape.to_world.transform_vector3(v));
+        let (sum, difference) = (x.dot(x) + y.dot(y), x.dot(x) - y.dot(y));
+        (0.5 * (sum + difference.hypot(2.0 * x.dot(y)))).sqrt() * 1.000_01
     }
 
     /// A point of the unit shape and its unit normal.
@@ -139,5 +152,33 @@ impl ExactArea {
         let normal = stretched * (self.sign / stretch);
         let density = 1.0 / (stretch * unit_area(self.shape.kind));
         solid_angle_density(p, q, normal, density)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{Affine3A, Pcg32};
+
+    /// The ball of a disk, stretched or not, holds it and is no larger than it has to be.
+    #[test]
+    fn a_ball_around_a_disk_fits() {
+        let turned = Affine3A::from_rotation_x(0.7) * Affine3A::from_rotation_y(-0.3);
+        let sheared = Affine3A::from_scale(Vec3::new(2.0, 0.5, 1.0)) * turned;
+        let long = turned * Affine3A::from_scale(Vec3::new(3.0, 0.2, 1.0));
+        for map in [turned, sheared, long] {
+            let disk = ExactArea::new(ExactShape::new(ExactKind::Disk, map), false).unwrap();
+            let Cluster { center, radius, .. } = disk.cluster(1.0);
+            let mut rng = Pcg32::new(3, 3);
+            let distances = (0..20_000).map(|_| {
+                let (p, _, _) = disk.point(Vec2::new(rng.next_f32(), rng.next_f32()));
+                p.distance(center)
+            });
+            let farthest = distances.fold(0.0, f32::max);
+            assert!(
+                farthest <= radius && farthest > 0.99 * radius,
+                "{farthest} of {radius}"
+            );
+        }
     }
 }
