@@ -8,8 +8,8 @@
 use super::Aimed;
 use crate::integrate::record::{Arrival, Witness};
 
-/// The chances that are compared.
-pub const CHANCES: [f32; 6] = [0.0, 0.0625, 0.125, 0.25, 0.5, 1.0];
+/// The chances that are compared. (Always, in lux-pool: 1.02 to 1.08 of the variance times time of half of the times.)
+pub const CHANCES: [f32; 5] = [0.0, 0.0625, 0.125, 0.25, 0.5];
 /// The chance before the trial.
 pub const FIRST: f32 = 0.125;
 
@@ -19,8 +19,9 @@ pub const FIRST: f32 = 0.125;
 /// 2.3, 0.8; lux-pool 8.8, 5.7; a kitchen 3.3, 3.4. Foretold with a bound of 30, 100 and none: torus 1.1, 2.8,
 /// 47; lux-pool 7.8, 15, 31; a kitchen 3.5, 3.7, 14.)
 const BRIGHTEST: f64 = 50.0;
-/// No chance is expected to leave less of the variance than this.
-const LEAST_LEFT: f64 = 0.5;
+/// No chance is expected to leave less of the variance than this. (With 0.5 a chance of 0.25 seemed best in a torus in glass and
+/// in `scenes/pool`; 0.5 takes 0.83 and 0.84 of its error times time.)
+const LEAST_LEFT: f64 = 0.25;
 
 /// A light that was found.
 #[derive(Clone, Copy, Debug)]
@@ -118,8 +119,8 @@ mod tests {
 
     #[test]
     fn nothing_is_aimed_at_in_vain() {
-        assert_eq!(best([0.0; 6], 2000), 0.0);
-        assert_eq!(best([100.0; 6], 0), 0.0);
+        assert_eq!(best([0.0; CHANCES.len()], 2000), 0.0);
+        assert_eq!(best([100.0; CHANCES.len()], 0), 0.0);
     }
 
     #[test]
@@ -137,7 +138,7 @@ mod tests {
         let moments = gains.moments(1.0);
         assert!(moments[0] > 50.0 * moments[1] && moments.is_sorted_by(|a, b| a > b));
         let dear = best(moments, 2000);
-        assert!(dear > 0.0 && dear < 1.0, "{dear}");
+        assert!(dear > 0.0 && dear < CHANCES[CHANCES.len() - 1], "{dear}");
         // For nothing more is better.
         assert!(best(moments, 0) >= dear);
     }
