@@ -12,6 +12,7 @@ use twintree::integrate::chain::Aiming;
 use twintree::integrate::guiding::Guide;
 use twintree::integrate::inspect::trace_sample;
 use twintree::integrate::learn::{garbage, learn};
+use twintree::integrate::start::PathNumber;
 use twintree::light::{Emitter, SunSky};
 use twintree::math::{Affine3A, Quat, Rgb, Vec3};
 use twintree::photon::schedule::Budget;
@@ -252,7 +253,7 @@ fn a_sample_by_itself_has_the_bits_that_it_has_in_the_render() {
     let mut branched = 0;
     for y in 0..film.height() {
         for x in 0..film.width() {
-            let traced = trace_sample(&view, [x, y], 0);
+            let traced = trace_sample(&view, [x, y], PathNumber::plain(0));
             let Rgb { x: r, y: g, z: b } = traced.outcome.radiance;
             let radiance = [r, g, b].map(f64::from);
             assert_eq!(radiance, film.pixel(x, y).radiance, "pixel {x}, {y}");

@@ -309,7 +309,7 @@ fn trace(room: &Built, field: &Guide, reuse: u32) -> [Vec<Outcome>; 2] {
         let at = Vec2::new((pixel % 16) as f32 + 0.5, (pixel / 16) as f32 + 0.5);
         wave.push(
             room.camera.ray(at, Vec2::ZERO),
-            path.sampler(pixel, sample % 16),
+            path.sampler(pixel, 0, sample % 16),
         );
     }
     let origin = |sample: u32| Origin {

@@ -358,6 +358,8 @@ pub enum Aov {
     Depth,
     /// Variance of each pixel's mean
     Variance,
+    /// Noise like that of the picture, by which `compare` tells how wrong means over blocks may be
+    Noise,
     /// Samples of each pixel
     Samples,
     /// Every layer

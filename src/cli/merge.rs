@@ -189,6 +189,7 @@ fn measure(parts: &[Known], film: &Film, partial: bool) -> Stats {
     let first = origins().next().cloned().unwrap_or_default();
     let seconds: f64 = origins().map(|o| o.seconds).sum();
     let rays: u64 = origins().map(|o| o.rays).sum();
+    let noise = film.noise();
     let samples = film.held().flat_map(|t| &t.pixels).map(|p| p.count).sum();
     // Parts of no time at all have no rate to speak of, and must not divide by zero.
     let per_second = |n: u64| n as f64 / seconds.max(1e-9);
@@ -206,7 +207,8 @@ fn measure(parts: &[Known], film: &Film, partial: bool) -> Stats {
         samples_per_second: per_second(samples),
         rays,
         rays_per_second: per_second(rays),
-        noise: film.noise(),
+        noise: noise.map(|n| n.value),
+        noise_error: noise.map(|n| n.error),
         invalid_samples: film.invalid_samples(),
         load_seconds: 0.0,
         build_seconds: 0.0,

@@ -251,6 +251,7 @@ fn layers_of(asked: &[Aov]) -> Layers {
         normal: has(Aov::Normal),
         depth: has(Aov::Depth),
         variance: has(Aov::Variance),
+        noise: has(Aov::Noise),
         samples: has(Aov::Samples),
     }
 }

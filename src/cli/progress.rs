@@ -5,7 +5,7 @@ use super::console::Console;
 use super::error_track::ErrorTrack;
 use super::interrupt::Interrupt;
 use super::preview::Tev;
-use crate::film::Film;
+use crate::film::{Film, Noise};
 use crate::integrate::render::{Limits, Observer, Progress, Spent};
 use crate::report::words;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -48,7 +48,7 @@ enum Display {
 struct Shown {
     at: Instant,
     tenths: u64,
-    noise: Option<f32>,
+    noise: Option<Noise>,
 }
 
 impl<'a> Watch<'a> {
@@ -147,7 +147,7 @@ impl<'a> Watch<'a> {
         samples: u64,
         elapsed: Duration,
         fraction: f64,
-        noise: Option<f32>,
+        noise: Option<Noise>,
     ) -> String {
         let seconds = elapsed.as_secs_f64();
         let rate = (samples - self.before.1) as f64 / self.start.elapsed().as_secs_f64();
@@ -157,7 +157,7 @@ impl<'a> Watch<'a> {
         }
         text += &format!(" spp  {} samples/s", words::count(rate));
         if let Some(noise) = noise {
-            text += &format!("  noise {noise:.4}");
+            text += &format!("  noise {:.4}", noise.value);
         }
         if fraction > 0.0 {
             let left = seconds * (1.0 - fraction) / fraction;
@@ -216,14 +216,14 @@ fn fraction_done(
     pixels: u64,
     samples: u64,
     elapsed: Duration,
-    noise: Option<f32>,
+    noise: Option<Noise>,
 ) -> f64 {
     let by_samples = samples as f64 / (pixels as f64 * limits.spp as f64);
     let by_time = limits
         .time
         .map_or(0.0, |t| elapsed.as_secs_f64() / t.as_secs_f64());
     let by_noise = match (limits.noise, noise) {
-        (Some(target), Some(noise)) => f64::from(target / noise).powi(2),
+        (Some(target), Some(noise)) => f64::from(target / noise.at_most()).powi(2),
         _ => 0.0,
     };
     by_samples.max(by_time).max(by_noise).min(1.0)
@@ -244,7 +244,8 @@ mod tests {
     #[test]
     fn the_limit_that_comes_first_tells_how_far_things_are() {
         let limits = |spp, time, noise| Limits { spp, time, noise };
-        let done = |limits: Limits, noise| {
+        let done = |limits: Limits, noise: Option<f32>| {
+            let noise = noise.map(|value| Noise { value, error: 0.0 });
             fraction_done(&limits, 100, 1000, Duration::from_secs(30), noise)
         };
         let minute = Some(Duration::from_secs(60));

@@ -7,6 +7,7 @@ use crate::camera::Camera;
 use crate::film::FilmDescription;
 use crate::integrate::inspect::{Step, Traced, teach_until, trace_sample};
 use crate::integrate::render::View;
+use crate::integrate::start::PathNumber;
 use crate::math::{Rgb, Vec3};
 use std::fmt::Write as _;
 
@@ -41,9 +42,10 @@ pub fn run(args: &RenderArgs, pixel: [u32; 2]) -> Result<(), Failure> {
     };
     let mut guiding = learning::guiding(&args.guide, field, &plain, &limits)?;
     let sample = args.doubt.sample;
-    if let Some(learner) = &mut guiding.learner {
-        teach_until(&plain, learner, limits.spp, sample);
-    }
+    let path = match &mut guiding.learner {
+        Some(learner) => teach_until(&plain, learner, limits.spp, pixel, sample),
+        None => PathNumber::plain(sample),
+    };
     let view = View {
         guide: match &guiding.learner {
             Some(learner) => learner.worthwhile_guide().map(Into::into),
@@ -51,7 +53,7 @@ pub fn run(args: &RenderArgs, pixel: [u32; 2]) -> Result<(), Failure> {
         },
         ..plain
     };
-    let traced = trace_sample(&view, pixel, sample);
+    let traced = trace_sample(&view, pixel, path);
     print!("{}", text(pixel, sample, &traced, &names));
     if view.guide.is_some() && settings.reuse > 1 {
         println!(

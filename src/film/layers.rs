@@ -6,12 +6,14 @@
 //! | `albedo.R albedo.G albedo.B` | reflectance of the first surface | OIDN's tools, Blender, Nuke |
 //! | `normal.X normal.Y normal.Z` | its shading normal, world space | the same |
 //! | `depth.Z` | distance from the camera | Blender, Nuke |
-//! | `variance.R variance.G variance.B` | variance of the mean, from the spread of the samples | `compare` |
+//! | `variance.R variance.G variance.B` | variance of the picture's pixels over renders with other seeds | `compare` |
+//! | `noise.R noise.G noise.B` | a number of the size of the picture's error: the square of its mean over any block is on average the variance of the picture's mean there | `compare` |
 //! | `samples.Y` | samples of the pixel | merging |
 //!
 //! The names are `layer.channel`, the convention by which Blender and Nuke group channels.
 
-use super::{Film, Pixel};
+use super::variance::Variances;
+use super::{Film, Pixel, Tile};
 use crate::image::{Attribute, Channel, Image, PixelType};
 
 /// Which layers to write beside the picture.
@@ -25,6 +27,8 @@ pub struct Layers {
     pub depth: bool,
     /// Variance of the picture.
     pub variance: bool,
+    /// Noise like that of the picture.
+    pub noise: bool,
     /// Samples taken.
     pub samples: bool,
 }
@@ -36,6 +40,7 @@ impl Layers {
         normal: false,
         depth: false,
         variance: false,
+        noise: false,
         samples: false,
     };
     /// Everything there is.
@@ -44,6 +49,7 @@ impl Layers {
         normal: true,
         depth: true,
         variance: true,
+        noise: true,
         samples: true,
     };
 }
@@ -77,38 +83,56 @@ impl Metadata {
 struct Layer {
     names: &'static [&'static str],
     stored: Option<PixelType>,
-    read: fn(&Pixel, &mut Vec<f32>),
+    read: fn(&Seen, &mut Vec<f32>),
+}
+
+/// A pixel, its tile with its number, and the variances of the film.
+struct Seen<'f> {
+    pixel: &'f Pixel,
+    tile: (usize, &'f Tile),
+    variances: &'f Variances,
 }
 
 const PICTURE: Layer = Layer {
     names: &["R", "G", "B"],
     stored: None,
-    read: |p, out| out.extend(p.mean().map(single)),
+    read: |seen, out| out.extend(seen.pixel.mean().map(single)),
 };
 const ALBEDO: Layer = Layer {
     names: &["albedo.R", "albedo.G", "albedo.B"],
     stored: None,
-    read: |p, out| out.extend(p.albedo.map(|x| average(x, p.count))),
+    read: |seen, out| out.extend(seen.pixel.albedo.map(|x| average(x, seen.pixel.count))),
 };
 const NORMAL: Layer = Layer {
     names: &["normal.X", "normal.Y", "normal.Z"],
     stored: None,
-    read: |p, out| out.extend(p.normal.map(|x| average(x, p.count))),
+    read: |seen, out| out.extend(seen.pixel.normal.map(|x| average(x, seen.pixel.count))),
 };
 const DEPTH: Layer = Layer {
     names: &["depth.Z"],
     stored: Some(PixelType::Float),
-    read: |p, out| out.push(average(p.depth, p.met)),
+    read: |seen, out| out.push(average(seen.pixel.depth, seen.pixel.met)),
 };
 const VARIANCE: Layer = Layer {
     names: &["variance.R", "variance.G", "variance.B"],
     stored: Some(PixelType::Float),
-    read: |p, out| out.extend(p.variance_of_mean().map(single)),
+    read: |seen, out| {
+        let variance = seen.variances.of_mean(seen.tile.0, seen.pixel);
+        out.extend(variance.map(single));
+    },
+};
+const NOISE: Layer = Layer {
+    names: &["noise.R", "noise.G", "noise.B"],
+    stored: Some(PixelType::Float),
+    read: |seen, out| {
+        let noise = seen.variances.realisation(seen.tile, seen.pixel);
+        out.extend(noise.map(single));
+    },
 };
 const SAMPLES: Layer = Layer {
     names: &["samples.Y"],
     stored: Some(PixelType::Float),
-    read: |p, out| out.push(p.count as f32),
+    read: |seen, out| out.push(seen.pixel.count as f32),
 };
 
 /// The nearest finite `f32`: radiances of 1e20 have variances that would be infinite.
@@ -133,6 +157,7 @@ impl Film {
             (layers.normal, NORMAL),
             (layers.depth, DEPTH),
             (layers.variance, VARIANCE),
+            (layers.noise, NOISE),
             (layers.samples, SAMPLES),
         ];
         let list: Vec<Layer> = wanted.into_iter().filter(|w| w.0).map(|w| w.1).collect();
@@ -148,11 +173,18 @@ impl Film {
             .collect();
         let (width, height) = (self.width(), self.height());
         let mut pixels = Vec::with_capacity(width as usize * height as usize * channels.len());
-        for y in 0..height {
-            for x in 0..width {
-                list.iter()
-                    .for_each(|layer| (layer.read)(self.pixel(x, y), &mut pixels));
-            }
+        let variances = self.variances();
+        let [x0, y0, x1, y1] = self.region();
+        for place in (y0..y1).flat_map(|y| (x0..x1).map(move |x| [x, y])) {
+            let (number, i) = self.place(place).expect("the pixel is in the region");
+            let tile = &self.tiles()[number];
+            let seen = Seen {
+                pixel: tile.pixels.get(i).unwrap_or(&Pixel::EMPTY),
+                tile: (number, tile),
+                variances: &variances,
+            };
+            list.iter()
+                .for_each(|layer| (layer.read)(&seen, &mut pixels));
         }
         Image {
             width,
@@ -189,6 +221,7 @@ mod tests {
                         radiance: Rgb::new(x, y, radiance),
                         weight: 1.0,
                         worth: 1.0,
+                        sequence: 0,
                         albedo: Rgb::splat(0.25),
                         normal: Vec3::Y,
                         depth: 7.0,
@@ -196,14 +229,17 @@ mod tests {
                     tile.add(i, sample, &s);
                 }
             }
+            tile.done = 2;
         }
         let image = film.image(Layers::ALL, &Metadata::default());
-        assert_eq!(image.channels.len(), 14);
+        assert_eq!(image.channels.len(), 17);
         let pixel = image.pixel(18, 16);
         let at = |name: &str| pixel[image.channel(name).expect(name)];
         assert_eq!([at("R"), at("G"), at("B")], [18.0, 16.0, 2.0]);
         // Two samples 1 and 3: variance 2, of the mean 1.
         assert_eq!([at("variance.R"), at("variance.B")], [0.0, 1.0]);
+        // The two halves are the two samples: the contrast is half their difference.
+        assert_eq!([at("noise.R"), at("noise.B")], [0.0, -1.0]);
         assert_eq!(
             [
                 at("albedo.G"),

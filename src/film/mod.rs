@@ -41,11 +41,13 @@ pub mod shard;
 #[cfg(test)]
 mod tests;
 pub mod tile;
+pub mod variance;
 
 pub use layers::{Layers, Metadata};
 pub(crate) use noise::FLOOR;
+pub use noise::Noise;
 pub use shard::Shard;
-pub use tile::{Pixel, Sample, TILE_SIZE, Tile};
+pub use tile::{Late, Pixel, Sample, TILE_SIZE, Tile};
 
 /// Sums of samples, stored in tiles.
 ///
@@ -147,10 +149,26 @@ impl Film {
 
     /// The pixel at `(x, y)` of the region.
     pub fn pixel(&self, x: u32, y: u32) -> &Pixel {
+        let place = self.place([x + self.region[0], y + self.region[1]]);
+        let pixel = place.and_then(|(tile, i)| self.tiles[tile].pixels.get(i));
+        pixel.unwrap_or(&UNTOUCHED)
+    }
+
+    /// Number of the tile, and of the pixel in it, that the pixel `(x, y)` of the full film is in; `None`
+    /// beyond the region.
+    pub fn place(&self, [x, y]: [u32; 2]) -> Option<(usize, usize)> {
+        let [x0, y0, x1, y1] = self.region;
+        if !(x0..x1).contains(&x) || !(y0..y1).contains(&y) {
+            return None;
+        }
+        let (x, y) = (x - x0, y - y0);
         let across = self.width().div_ceil(TILE_SIZE);
-        let tile = &self.tiles[(y / TILE_SIZE * across + x / TILE_SIZE) as usize];
-        let at = (y % TILE_SIZE * tile.width + x % TILE_SIZE) as usize;
-        tile.pixels.get(at).unwrap_or(&UNTOUCHED)
+        let number = (y / TILE_SIZE * across + x / TILE_SIZE) as usize;
+        let tile = &self.tiles[number];
+        Some((
+            number,
+            (y % TILE_SIZE * tile.width + x % TILE_SIZE) as usize,
+        ))
     }
 
     /// All pixels, tile by tile.

@@ -1,46 +1,159 @@
 //! How noisy the film is: what `--noise` waits for.
 //!
-//! The measure is relative: the variance of a pixel's mean over the square of its value, averaged over
-//! pixels and channels. Its plain mean is at the mercy of the brightest speck: one sample of 1e6 in a
-//! corner would keep a clean image rendering for ever, and a median over sub-buffers, the usual remedy,
-//! takes several films. Here the noisiest [`TRIM`] of the numbers are left out instead. Specks are by
-//! nature few, so that what is left is what an eye, or an outlier-proof metric, sees; and where noise is
-//! even the share is too small to matter (the tests say how little).
+//! The noise is the root of the mean over pixels and channels of
+//!
+//! ```text
+//! variance / (value^2 + 0.01 mean^2)
+//! ```
+//!
+//! without the largest [`TRIM`] of the terms: that is the root of the relMSE, trimmed alike, that the film is
+//! expected to have against the converged image when both are scaled to a mean of one. So it does not
+//! depend on the unit of light. (The mean is that of all but the brightest [`SPECKS`].)
+//!
+//! - The variance is that of [`super::variance`].
+//! - The value is the mean over [`WINDOW`] x [`WINDOW`] pixels. A pixel's own value goes with its own
+//!   variance: where a rare bright path was met both are large, elsewhere both are small, and their ratio
+//!   says little of the error in either place.
+//! - Terms are trimmed because one sample of 1e6 in a corner would keep a clean image rendering for ever.
+//!
+//! tests/variance.rs compares it with true errors.
 
 use super::Film;
+use crate::math::smooth::smooth;
 
 /// Share of the numbers, the largest, that are left out.
 const TRIM: f64 = 1e-3;
-/// Added to the square of a value, so that black pixels do not count for everything: relMSE's usual.
+/// Added to the square of a value, so that black pixels do not count for everything: relMSE's usual, for
+/// an image of mean 1.
 pub const FLOOR: f64 = 0.01;
+/// Side of the square of pixels over which values are averaged.
+const WINDOW: usize = 9;
+/// Share of the numbers, the brightest, that do not count for the image's mean: a speck fills a window.
+const SPECKS: f64 = 0.02;
+/// The estimate is called unreliable when its own relative error is above this.
+const MOST_ERROR: f32 = 0.2;
+
+/// The noise of a film.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Noise {
+    /// Root of the expected trimmed relMSE.
+    pub value: f32,
+    /// Standard error of the value, as a share of it. It is large where a few pixels have most of the
+    /// variance: the light that they have met is missing in others.
+    pub error: f32,
+}
+
+impl Noise {
+    /// The value and its standard error: what `--noise` compares.
+    pub fn at_most(&self) -> f32 {
+        self.value * (1.0 + self.error)
+    }
+
+    /// Whether the value can be relied on.
+    pub fn is_reliable(&self) -> bool {
+        self.error <= MOST_ERROR
+    }
+}
 
 impl Film {
-    /// Noise of the image: the square root of the mean over pixels and channels of
-    /// `variance / (value^2 + 0.01)`, without the noisiest 0.1 %. It is the root of the relMSE that a
-    /// comparison with the converged image is expected to show. `None` below two samples a pixel.
+    /// Noise of the image; `None` below two samples a pixel.
     ///
-    /// Takes a moment: two passes over the film and 4 bytes a number.
-    pub fn noise(&self) -> Option<f32> {
+    /// Takes a moment: four passes over the film and 16 bytes a number.
+    pub fn noise(&self) -> Option<Noise> {
         let fewest = self.pixels().map(|p| p.count).min()?;
         if fewest < 2 {
             return None;
         }
-        let mut sorted: Vec<f32> = self.relative_variances().map(|x| x as f32).collect();
-        let kept = sorted.len() - (sorted.len() as f64 * TRIM) as usize;
+        let terms = self.relative_variances();
+        let kept = terms.len() - (terms.len() as f64 * TRIM) as usize;
+        let mut sorted = terms.clone();
         let (_, limit, _) = sorted.select_nth_unstable_by(kept - 1, f32::total_cmp);
         let limit = *limit;
         // In film order, whatever the selection did to the order above: the same bits every time.
-        let below = self.relative_variances().filter(|x| (*x as f32) < limit);
-        let (count, sum) = below.fold((0, 0.0), |(n, sum), x| (n + 1, sum + x));
+        let (mut sum, mut square, mut below) = (0.0, 0.0, 0);
+        for &term in terms.iter().filter(|term| **term < limit) {
+            let term = f64::from(term);
+            (sum, square, below) = (sum + term, square + term * term, below + 1);
+        }
         // Those at the limit itself, of which there may be many.
-        let at_limit = (kept - count) as f64 * f64::from(limit);
-        Some(((sum + at_limit) / kept as f64).sqrt() as f32)
+        let at_limit = (kept - below) as f64;
+        let limit = f64::from(limit);
+        sum += at_limit * limit;
+        square += at_limit * limit * limit;
+        let value = (sum / kept as f64).sqrt() as f32;
+        // Each term is known to about itself where few samples make it: the sum's error is the root of
+        // the sum of squares. The root halves it.
+        let error = if sum > 0.0 {
+            0.5 * square.sqrt() / sum
+        } else {
+            0.0
+        };
+        Some(Noise {
+            value,
+            error: error as f32,
+        })
     }
 
-    fn relative_variances(&self) -> impl Iterator<Item = f64> + '_ {
-        self.pixels().flat_map(|pixel| {
-            let (mean, variance) = (pixel.mean(), pixel.variance_of_mean());
-            (0..3).map(move |c| variance[c] / (mean[c] * mean[c] + FLOOR))
-        })
+    /// The terms of the mean, tile by tile.
+    fn relative_variances(&self) -> Vec<f32> {
+        let variances = self.variances();
+        let values: [Vec<f32>; 3] = std::array::from_fn(|c| self.smoothed(c));
+        let numbers = 3 * self.held_pixels();
+        let floor = FLOOR * usual(&values, numbers as usize).powi(2);
+        let mut terms = Vec::with_capacity(numbers as usize);
+        for (number, tile) in self.tiles.iter().enumerate() {
+            for (i, pixel) in tile.pixels.iter().enumerate() {
+                let at = self.row_major(tile.place(i));
+                let variance = variances.of_mean(number, pixel);
+                terms.extend((0..3).map(|c| relative(variance[c], values[c][at], floor)));
+            }
+        }
+        terms
+    }
+
+    /// Averages of a channel, row by row; 0 where the film holds no tile.
+    fn smoothed(&self, channel: usize) -> Vec<f32> {
+        let size = [self.width() as usize, self.height() as usize];
+        let mut image = vec![0.0; size[0] * size[1]];
+        let mut held = image.clone();
+        for tile in self.held() {
+            for (i, pixel) in tile.pixels.iter().enumerate() {
+                let at = self.row_major(tile.place(i));
+                image[at] = pixel.mean()[channel] as f32;
+                held[at] = 1.0;
+            }
+        }
+        let kernel = [1.0; WINDOW];
+        let (sums, weights) = (smooth(&image, size, &kernel), smooth(&held, size, &kernel));
+        let pixels = sums.iter().zip(&weights).zip(&held);
+        pixels
+            .map(|((sum, weight), held)| if *held > 0.0 { sum / weight } else { 0.0 })
+            .collect()
+    }
+
+    /// Number of a pixel of the full film in its region, row by row.
+    fn row_major(&self, [x, y]: [u32; 2]) -> usize {
+        let [x0, y0, ..] = self.region;
+        ((y - y0) * self.width() + x - x0) as usize
+    }
+}
+
+/// Mean of the values without the brightest; `count` of them are not of missing tiles, which are 0.
+fn usual(values: &[Vec<f32>; 3], count: usize) -> f64 {
+    let mut sorted = values.concat();
+    sorted.sort_unstable_by(f32::total_cmp);
+    let brightest = (count as f64 * SPECKS) as usize;
+    sorted.truncate(sorted.len() - brightest);
+    let sum: f64 = sorted.iter().map(|x| f64::from(*x)).sum();
+    sum / (count - brightest) as f64
+}
+
+/// A term; 0 where there is neither light nor variance.
+fn relative(variance: f64, value: f32, floor: f64) -> f32 {
+    let scale = f64::from(value).powi(2) + floor;
+    if variance > 0.0 && scale > 0.0 {
+        (variance / scale).min(f64::from(f32::MAX)) as f32
+    } else {
+        0.0
     }
 }

@@ -14,6 +14,8 @@ pub struct Sample {
     pub weight: f32,
     /// How many samples it stands for: not 1 where pixels take more or fewer than others.
     pub worth: f32,
+    /// First sample of the image in its Sobol sequence.
+    pub sequence: u64,
     /// Reflectance of the first surface.
     pub albedo: Rgb,
     /// Its shading normal, world space.
@@ -29,6 +31,7 @@ impl Default for Sample {
             radiance: Rgb::ZERO,
             weight: 1.0,
             worth: 1.0,
+            sequence: 0,
             albedo: Rgb::ZERO,
             normal: Vec3::ZERO,
             depth: 0.0,
@@ -59,6 +62,78 @@ pub struct Pixel {
     pub depth: f64,
     /// Samples that met something.
     pub met: u64,
+    /// The later half of the samples.
+    pub late: Late,
+}
+
+/// Sums over the later half of a pixel's samples: those from the largest power of two on that is below their
+/// number. What the halves differ by tells the noise of their mean whatever links the samples (see
+/// [`super::variance`]).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Late {
+    /// The first sample of the image among them: 0 or a power of two.
+    pub from: u64,
+    /// Sum of worth times weight times radiance.
+    pub radiance: [f64; 3],
+    /// Sum of worth.
+    pub worth: f64,
+    /// Sum of its squares.
+    pub worth_squares: f64,
+    /// First sample of the image in the earliest Sobol sequence among them.
+    pub sequence: u64,
+}
+
+impl Late {
+    /// Of no samples.
+    pub const EMPTY: Late = Late {
+        from: 0,
+        radiance: [0.0; 3],
+        worth: 0.0,
+        worth_squares: 0.0,
+        sequence: u64::MAX,
+    };
+
+    /// Whether some of them go on with a sequence of the earlier half.
+    pub fn is_continued(&self) -> bool {
+        self.sequence < self.from
+    }
+
+    /// The later half of `samples` samples of the image starts with this one.
+    pub fn begin(samples: u64) -> u64 {
+        match samples {
+            0 | 1 => 0,
+            _ => 1 << (samples - 1).ilog2(),
+        }
+    }
+
+    /// Adds a sample's `values`, already weighted.
+    #[inline]
+    fn add(&mut self, values: [f64; 3], worth: f64, sequence: u64) {
+        for (sum, value) in self.radiance.iter_mut().zip(values) {
+            *sum += value;
+        }
+        self.worth += worth;
+        self.worth_squares += worth * worth;
+        self.sequence = self.sequence.min(sequence);
+    }
+
+    /// Forgets what is of the earlier half by the time that sample number `index` comes.
+    #[inline]
+    fn advance(&mut self, index: u64) {
+        let from = Self::begin(index + 1);
+        if from > self.from {
+            *self = Self {
+                from,
+                ..Self::EMPTY
+            };
+        }
+    }
+}
+
+impl Default for Late {
+    fn default() -> Self {
+        Self::EMPTY
+    }
 }
 
 impl Pixel {
@@ -74,24 +149,27 @@ impl Pixel {
         normal: [0.0; 3],
         depth: 0.0,
         met: 0,
+        late: Late::EMPTY,
     };
 
-    /// Adds a finite sample.
+    /// Adds a finite sample of the image's sample number `index`; these never fall.
     #[inline]
-    pub fn add(&mut self, s: &Sample) {
+    pub fn add(&mut self, index: u64, s: &Sample) {
+        self.late.advance(index);
         let worth = f64::from(s.worth);
         // In f64: the product of two finite f32 would overflow beyond 3.4e38.
         let weight = worth * f64::from(s.weight);
+        let values = s.radiance.to_array().map(|x| f64::from(x) * weight);
         for c in 0..3 {
-            let value = f64::from(s.radiance[c]) * weight;
-            self.radiance[c] += value;
-            self.squares[c] += value * value;
+            self.radiance[c] += values[c];
+            self.squares[c] += values[c] * values[c];
             self.albedo[c] += f64::from(s.albedo[c]);
             self.normal[c] += f64::from(s.normal[c]);
         }
         self.weight += weight;
         self.worth += worth;
         self.worth_squares += worth * worth;
+        self.late.add(values, worth, s.sequence);
         self.count += 1;
         if s.depth > 0.0 {
             self.depth += f64::from(s.depth);
@@ -109,19 +187,28 @@ impl Pixel {
         self.radiance.map(|sum| sum * scale)
     }
 
-    /// Variance of [`Pixel::mean`] over renders with other seeds, estimated from the spread of the
-    /// samples; 0 with fewer than two. (With `w` for their worth, `S w^2 (x - mean)^2 / (S w)^2`, and the usual
-    /// `n / (n - 1)`: that is the variance of a mean by weights that do not depend on the samples.)
-    pub fn variance_of_mean(&self) -> [f64; 3] {
+    /// Variance of a sample, estimated from the spread of the samples; 0 with fewer than two. With `w` for their
+    /// worth `S w^2 (x - mean)^2 / S w^2`, and the usual `n / (n - 1)`.
+    pub fn variance_of_sample(&self) -> [f64; 3] {
         if self.count < 2 {
             return [0.0; 3];
         }
         let n = self.count as f64;
-        let scale = self.worth_squares / (self.worth * self.worth) * (n / (n - 1.0));
+        let scale = n / (n - 1.0);
         std::array::from_fn(|c| {
             let mean = self.radiance[c] / self.worth;
             (self.squares[c] / self.worth_squares - mean * mean).max(0.0) * scale
         })
+    }
+
+    /// Variance of [`Pixel::mean`] over renders with other seeds if its samples are independent: that of a
+    /// mean by weights that do not depend on the samples. Sobol points have less ([`Film::variances`]).
+    pub fn variance_of_mean(&self) -> [f64; 3] {
+        if self.count < 2 {
+            return [0.0; 3];
+        }
+        let scale = self.worth_squares / (self.worth * self.worth);
+        self.variance_of_sample().map(|v| v * scale)
     }
 }
 
@@ -174,7 +261,7 @@ impl Tile {
             & sample.weight.is_finite()
             & sample.worth.is_finite();
         if finite {
-            self.pixels[i].add(sample);
+            self.pixels[i].add(index, sample);
             return;
         }
         self.invalid += 1;

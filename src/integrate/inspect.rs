@@ -7,7 +7,7 @@ use super::forks::Forks;
 use super::learn::Learner;
 use super::render::{Job, Limits, Observer, PASS_SPP, Progress, View};
 use super::reuse::Pool;
-use super::start::first_ray;
+use super::start::{PathNumber, first_ray};
 use super::teach::teach;
 use super::vertex::{Watched, visit};
 use super::wave::{Outcome, Path};
@@ -72,10 +72,10 @@ pub struct Traced {
     pub weight: f32,
 }
 
-/// Traces sample number `sample` of the pixel `(x, y)` of the full film.
-pub fn trace_sample(view: &View, [x, y]: [u32; 2], sample: u64) -> Traced {
+/// Traces a path of the pixel `(x, y)` of the full film.
+pub fn trace_sample(view: &View, [x, y]: [u32; 2], path: PathNumber) -> Traced {
     let filter = FilterSampler::new(view.film.filter);
-    let (camera, sampler, weight) = first_ray(view, &filter, [x, y], sample);
+    let (camera, sampler, weight) = first_ray(view, &filter, [x, y], path);
     let mut path = Path::new(&camera, sampler, 0);
     path.set_out(&view.walk());
     let mut forks = Forks::default();
@@ -142,8 +142,15 @@ impl Observer for Before {
 }
 
 /// Teaches `learner` what it knows in a render of `spp` samples a pixel when sample number `sample` is
-/// taken. (A render that a limit of time told to learn no longer knows less.)
-pub fn teach_until(view: &View, learner: &mut Learner, spp: u64, sample: u64) {
+/// taken, and tells which path of `pixel` that is: the first, where it has several for that sample, or the
+/// next. (A render that a limit of time told to learn no longer knows less.)
+pub fn teach_until(
+    view: &View,
+    learner: &mut Learner,
+    spp: u64,
+    pixel: [u32; 2],
+    sample: u64,
+) -> PathNumber {
     let before = Before {
         sample,
         spp,
@@ -157,7 +164,11 @@ pub fn teach_until(view: &View, learner: &mut Learner, spp: u64, sample: u64) {
     };
     let mut film = Film::new(view.film);
     let job = Job::new(view, &before, 0);
-    teach(&job, learner, &mut film, &limits, &|| Duration::ZERO);
+    let iteration = teach(&job, learner, &mut film, &limits, &|| Duration::ZERO);
+    let place = film.place(pixel);
+    place.map_or(PathNumber::plain(sample), |(tile, i)| {
+        iteration.path(tile, i, sample)
+    })
 }
 
 /// The next ray, and the light that a light sample brought to an account.

@@ -30,7 +30,7 @@ pub mod record;
 pub mod render;
 pub mod reuse;
 pub mod roulette;
-mod start;
+pub mod start;
 mod teach;
 pub mod trial;
 pub mod vertex;
@@ -70,12 +70,12 @@ pub struct PathSettings {
 }
 
 impl PathSettings {
-    /// The numbers of one sample of one pixel.
+    /// The numbers of path number `path` of a pixel, whose Sobol sequence starts with path `begin`.
     #[inline]
-    pub fn sampler(&self, pixel: u64, sample: u64) -> PathSampler {
+    pub fn sampler(&self, pixel: u64, begin: u64, path: u64) -> PathSampler {
         match self.sampler {
-            SamplerKind::Independent => PathSampler::independent(self.seed, pixel, sample),
-            SamplerKind::Sobol => PathSampler::sobol(self.seed, pixel, sample),
+            SamplerKind::Independent => PathSampler::independent(self.seed, pixel, path),
+            SamplerKind::Sobol => PathSampler::sobol(self.seed, pixel, begin, path),
         }
     }
 }

@@ -1,17 +1,16 @@
 //! The loop around everything: passes of samples over tiles of the film, until enough.
 
 use super::PathSettings;
-use super::adaptive::Shares;
 use super::guiding::Guidance;
 use super::learn::Learner;
 use super::record::Witness;
-use super::start::{Part, Start, add, first_ray};
+use super::start::{Iteration, Part, Start, add, first_ray};
 use super::teach::teach;
 use super::vertex::Walk;
 use super::wave::{Outcomes, Wave};
 use crate::camera::Camera;
 use crate::film::filter::FilterSampler;
-use crate::film::{Film, FilmDescription, Tile};
+use crate::film::{Film, FilmDescription, Noise, Tile};
 use crate::scene::Scene;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -31,9 +30,9 @@ pub struct Limits {
 
 impl Limits {
     /// Whether the noise after `spp` samples a pixel is as low as was asked for.
-    pub(super) fn are_met_by_noise(&self, spp: u64, noise: Option<f32>) -> bool {
+    pub(super) fn are_met_by_noise(&self, spp: u64, noise: Option<Noise>) -> bool {
         let target = self.noise.filter(|_| spp >= MIN_SPP_FOR_NOISE);
-        target.is_some_and(|target| noise.is_some_and(|n| n <= target))
+        target.is_some_and(|target| noise.is_some_and(|n| n.at_most() <= target))
     }
 }
 
@@ -64,7 +63,7 @@ pub struct Progress {
     /// Time since rendering began.
     pub elapsed: Duration,
     /// Noise, once there are enough samples to tell.
-    pub noise: Option<f32>,
+    pub noise: Option<Noise>,
 }
 
 /// Who watches a render. Called from the rendering threads between passes.
@@ -116,7 +115,7 @@ pub struct Summary {
     /// Wall-clock time.
     pub elapsed: Duration,
     /// Noise at the end.
-    pub noise: Option<f32>,
+    pub noise: Option<Noise>,
 }
 
 /// Samples that travel together: enough to fill the ray tracer's packets after most paths have ended,
@@ -174,15 +173,15 @@ pub fn resume(
     let start = Instant::now();
     let elapsed = || before.time + start.elapsed().saturating_sub(observer.time_aside());
     let job = Job::new(view, observer, before.rays);
-    let shares = learner
+    let iteration = learner
         .as_deref_mut()
-        .and_then(|learner| teach(&job, learner, film, limits, &elapsed));
+        .map(|learner| teach(&job, learner, film, limits, &elapsed));
     let job = Job {
         view: View {
             guide: learner.map_or(view.guide, |l| l.worthwhile_guide().map(Into::into)),
             ..*view
         },
-        shares,
+        iteration: iteration.unwrap_or_default(),
         ..job
     };
     let mut spp = film.spp_done();
@@ -263,8 +262,8 @@ pub(super) struct Job<'a> {
     pub(super) view: View<'a>,
     filter: FilterSampler,
     pub(super) observer: &'a dyn Observer,
-    /// How samples are spread over the pixels; `None`: evenly.
-    shares: Option<Shares>,
+    /// Which paths the pixels take.
+    iteration: Iteration,
     /// Rays that an earlier go has traced.
     rays_before: u64,
     /// Buffers not in use.
@@ -277,7 +276,7 @@ impl<'a> Job<'a> {
             view: *view,
             filter: FilterSampler::new(view.film.filter),
             observer,
-            shares: None,
+            iteration: Iteration::default(),
             rays_before,
             waves: Mutex::new(Vec::new()),
         }
@@ -312,7 +311,7 @@ impl<'a> Job<'a> {
                 if self.observer.should_stop() || self.observer.should_pause() {
                     return;
                 }
-                let part = Part::new(range, self.shares.as_ref(), number);
+                let part = self.iteration.part(range, number);
                 self.render_tile(&self.view.walk(), tile, part, &mut (), |(), _, _| {});
             });
         film.held().all(|t| t.done >= end)

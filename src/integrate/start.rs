@@ -10,24 +10,65 @@ use crate::film::{Sample, Tile};
 use crate::math::{PathSampler, Vec2};
 use std::ops::Range;
 
+/// Samples of the image that are taken by one and the same state of knowledge: field, mixture fractions,
+/// shares of the pixels.
+///
+/// Earlier iterations decided on that state, so each iteration has random numbers that are independent of
+/// theirs: in every pixel a Sobol sequence of its own. Given all before it, an iteration is then an
+/// unbiased estimate of every pixel, and counts for a number of samples that was fixed before it began.
+/// So the sum over the iterations is unbiased, too. tests/unbiased.rs guards that.
+#[derive(Clone, Debug, Default)]
+pub struct Iteration {
+    /// Its first sample of the image.
+    from: u64,
+    /// How many paths each pixel takes for a sample; `None`: one.
+    shares: Option<Shares>,
+}
+
+impl Iteration {
+    /// The iteration that begins with sample `from`.
+    pub fn new(from: u64, shares: Option<Shares>) -> Self {
+        Self { from, shares }
+    }
+
+    /// Paths that pixel `i` of a tile has taken before sample `sample`, which is not before the iteration.
+    pub fn taken(&self, tile: usize, i: usize, sample: u64) -> u64 {
+        match &self.shares {
+            Some(shares) => shares[tile].of(i).taken(sample - self.from),
+            None => sample,
+        }
+    }
+
+    /// The first path of pixel `i` of a tile for sample `sample`, or the next one where that has none.
+    pub fn path(&self, tile: usize, i: usize, sample: u64) -> PathNumber {
+        PathNumber {
+            begin: self.taken(tile, i, self.from),
+            number: self.taken(tile, i, sample),
+        }
+    }
+
+    /// Samples `samples` of tile number `tile`.
+    pub fn part(&self, samples: Range<u64>, tile: usize) -> Part<'_> {
+        Part {
+            samples,
+            from: self.from,
+            shares: self.shares.as_ref().map(|shares| &shares[tile]),
+        }
+    }
+}
+
 /// Samples of a tile.
 #[derive(Clone, Debug)]
 pub struct Part<'s> {
     /// Their numbers.
     pub samples: Range<u64>,
+    /// First sample of their iteration.
+    from: u64,
     /// How many paths each pixel takes for them; `None`: one.
-    pub shares: Option<&'s TileShares>,
+    shares: Option<&'s TileShares>,
 }
 
-impl<'s> Part<'s> {
-    /// Of tile number `tile`.
-    pub fn new(samples: Range<u64>, shares: Option<&'s Shares>, tile: usize) -> Self {
-        Self {
-            samples,
-            shares: shares.map(|shares| &shares[tile]),
-        }
-    }
-
+impl Part<'_> {
     /// How many samples of a tile take about so many paths; at least one.
     pub fn samples_of(&self, paths: u64, tile: &Tile) -> u64 {
         let area = tile.area() as f32;
@@ -38,18 +79,46 @@ impl<'s> Part<'s> {
     /// The paths of a pixel for a sample.
     #[inline]
     pub fn starts(&self, pixel: u32, sample: u64) -> impl Iterator<Item = Start> + use<> {
-        let (paths, worth) = match self.shares {
-            Some(shares) => shares.paths(pixel as usize, sample),
-            None => (sample..sample + 1, 1.0),
+        let (paths, begin, worth) = match self.shares {
+            Some(shares) => {
+                let share = shares.of(pixel as usize);
+                let paths = share.paths(sample - self.from);
+                (paths, share.begin(), share.worth())
+            }
+            None => (sample..sample + 1, self.from, 1.0),
         };
+        let from = self.from;
         paths.zip(0..).map(move |(path, way)| Start {
             pixel,
             sample,
             way,
-            path,
+            sequence: from,
+            path: PathNumber {
+                begin,
+                number: path,
+            },
             weight: 1.0,
             worth,
         })
+    }
+}
+
+/// Number of a path among all paths of its pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PathNumber {
+    /// Number of the first path of its iteration: there its Sobol sequence begins.
+    pub begin: u64,
+    /// Its own number.
+    pub number: u64,
+}
+
+impl PathNumber {
+    /// The path of sample number `sample` where nothing was learned.
+    pub fn plain(sample: u64) -> Self {
+        Self {
+            begin: 0,
+            number: sample,
+        }
     }
 }
 
@@ -63,7 +132,9 @@ pub struct Start {
     /// Its number among the pixel's paths for that sample.
     way: u32,
     /// Its number among all of the pixel's paths.
-    pub path: u64,
+    pub path: PathNumber,
+    /// First sample of the image in its Sobol sequence.
+    sequence: u64,
     /// Its weight by the filter.
     pub weight: f32,
     /// How many samples it is worth.
@@ -81,16 +152,16 @@ impl Start {
     }
 }
 
-/// How path number `path` of a pixel begins: its camera ray, the numbers to come, its filter weight.
+/// How a path of a pixel begins: its camera ray, the numbers to come, its filter weight.
 #[inline]
 pub fn first_ray(
     view: &View,
     filter: &FilterSampler,
     [x, y]: [u32; 2],
-    path: u64,
+    path: PathNumber,
 ) -> (CameraRay, PathSampler, f32) {
     let pixel = u64::from(y) * u64::from(view.film.width) + u64::from(x);
-    let mut sampler = view.settings.sampler(pixel, path);
+    let mut sampler = view.settings.sampler(pixel, path.begin, path.number);
     let u = sampler.next4();
     let place = filter.sample(Vec2::new(u[0], u[1]));
     let center = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
@@ -112,10 +183,11 @@ pub fn add(tile: &mut Tile, outcomes: &[Outcome], starts: &[Start]) {
             radiance: outcome.radiance,
             weight: start.weight,
             worth: start.worth,
+            sequence: start.sequence,
             albedo: outcome.first.albedo,
             normal: outcome.first.normal,
             depth: outcome.first.depth,
         };
-        tile.add(start.pixel as usize, start.path, &sample);
+        tile.add(start.pixel as usize, start.sample, &sample);
     }
 }

@@ -4,13 +4,13 @@
 //! ones before, and so is their sum. Passes double: the samples of the early ones, which know little, are
 //! soon few beside the rest.
 
-use super::adaptive::{self, Shares, Survey};
+use super::adaptive::{self, Survey};
 use super::guiding::Guide;
 use super::learn::Learner;
 use super::record::{Lessons, Records};
 use super::render::{Job, Limits, PASS_SPP, Progress};
 use super::reuse;
-use super::start::Part;
+use super::start::Iteration;
 use super::trial::{self, trial};
 use super::vertex::Walk;
 use crate::film::Film;
@@ -22,18 +22,18 @@ use std::time::Duration;
 const MOST_PUPILS: u64 = 1 << 19;
 
 /// Renders passes and teaches the learner, until it wants no more or a limit is reached. The passes' sizes
-/// depend on the limit in samples alone; when the time gets short, learning ends early. Returns how the samples that
-/// come are to be spread over the pixels, if not evenly.
+/// depend on the limit in samples alone; when the time gets short, learning ends early. Returns the iteration that
+/// comes next.
 pub(super) fn teach(
     job: &Job,
     learner: &mut Learner,
     film: &mut Film,
     limits: &Limits,
     elapsed: &dyn Fn() -> Duration,
-) -> Option<Shares> {
+) -> Iteration {
     let pixels = u64::from(film.width()) * u64::from(film.height());
     let mut told = Told::new(job, film);
-    let mut shares = None;
+    let mut iteration = Iteration::default();
     let mut from = 0;
     while wants_more(job, learner, from, limits) && from < limits.spp {
         let begin = elapsed();
@@ -41,8 +41,8 @@ pub(super) fn teach(
         let paths = pixels * (to - from);
         let stride = paths.div_ceil(MOST_PUPILS);
         let guide = (learner.guide(), stride as u32);
-        if !pass(job, film, (from..to, shares.as_ref()), guide, &mut told) || to == limits.spp {
-            return shares;
+        if !pass(job, film, (from..to, &iteration), guide, &mut told) || to == limits.spp {
+            return iteration;
         }
         if learner.wants_more() {
             learner.take(&told.lessons, paths / stride);
@@ -53,9 +53,9 @@ pub(super) fn teach(
             learner.judge(verdict);
             learner.aim(chance);
         }
-        if job.view.settings.adaptive && from >= adaptive::FIRST {
-            shares = Some(told.survey.shares(film, from, shares.as_ref()));
-        }
+        let spreads = job.view.settings.adaptive && from >= adaptive::FIRST;
+        let shares = spreads.then(|| told.survey.shares(film, from, &iteration));
+        iteration = Iteration::new(from, shares);
         let progress = Progress {
             spp: film.spp_done(),
             spp_limit: limits.spp,
@@ -76,7 +76,7 @@ pub(super) fn teach(
             break;
         }
     }
-    shares
+    iteration
 }
 
 /// Whether another pass is to teach the field, or to tell how to spread the samples to come.
@@ -106,12 +106,12 @@ impl Told {
     }
 }
 
-/// Takes the samples `range` of every pixel, spread by shares and guided by `guide`; one in `stride` teaches, tile by
+/// Takes the samples `range` of an iteration, guided by `guide`; one in `stride` teaches, tile by
 /// tile. `false` if the observer stopped it before all tiles were there.
 fn pass(
     job: &Job,
     film: &mut Film,
-    (range, shares): (Range<u64>, Option<&Shares>),
+    (range, iteration): (Range<u64>, &Iteration),
     (guide, stride): (&Guide, u32),
     told: &mut Told,
 ) -> bool {
@@ -133,7 +133,7 @@ fn pass(
             }
             lessons.clear();
             let mut records = Records::every(stride);
-            let part = Part::new(range.clone(), shares, number);
+            let part = iteration.part(range.clone(), number);
             job.render_tile(
                 &walk,
                 tile,

@@ -16,7 +16,7 @@
 use super::chain::pays::{self, Gains};
 use super::guiding::Guide;
 use super::render::{Job, Observer, Progress, View};
-use super::start::Part;
+use super::start::Iteration;
 use super::vertex::Walk;
 use crate::film::{FLOOR, Film, FilmDescription, Pixel, Shard, Tile};
 use rayon::prelude::*;
@@ -155,6 +155,7 @@ fn half(job: &Job, film: &FilmDescription, guide: Option<&Guide>) -> (Vec<(Tile,
         ..job.view.walk()
     };
     let before = job.rays();
+    let trial = Iteration::new(SAMPLES.start, None);
     let gains: Vec<Gains> = film
         .tiles_mut()
         .par_iter_mut()
@@ -162,7 +163,7 @@ fn half(job: &Job, film: &FilmDescription, guide: Option<&Guide>) -> (Vec<(Tile,
         .map(|tile| {
             let mut gains = Gains::default();
             if tile.is_held() && !job.observer.should_stop() {
-                let part = Part::new(SAMPLES, None, 0);
+                let part = trial.part(SAMPLES, 0);
                 job.take_samples(&walk, tile, part, &mut gains, |_, _, _| {});
             }
             gains

@@ -9,6 +9,7 @@ pub mod offset;
 pub mod rgb;
 pub mod rng;
 pub mod sampler;
+pub mod smooth;
 pub mod special;
 pub mod sum;
 pub mod warp;

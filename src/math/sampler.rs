@@ -36,13 +36,18 @@ impl PathSampler {
         }
     }
 
-    /// Owen-scrambled Sobol points (Burley 2020), scrambled differently in every pixel.
+    /// Owen-scrambled Sobol points (Burley 2020), scrambled differently in every pixel and sequence.
+    ///
+    /// `begin` is the first sample of the sequence, at most `sample`. Points of one sequence avoid each
+    /// other, so they are not independent. Where the values of some samples decide how many others are
+    /// taken, or how, the others must be of another sequence: otherwise the mean is biased.
     #[inline]
-    pub fn sobol(seed: u64, pixel: u64, sample: u64) -> Self {
-        let scramble = hash_all([seed, pixel, sample / SOBOL_POINTS]);
+    pub fn sobol(seed: u64, pixel: u64, begin: u64, sample: u64) -> Self {
+        let index = sample - begin;
+        let scramble = hash_all([seed, pixel, begin, index / SOBOL_POINTS]);
         Self {
             rng: Pcg32::new(hash_all([scramble, sample]), pixel),
-            index: (sample % SOBOL_POINTS) as u32,
+            index: (index % SOBOL_POINTS) as u32,
             scramble: scramble as u32,
             block: 0,
         }
@@ -102,7 +107,7 @@ mod tests {
     fn forks_have_numbers_of_their_own_at_every_vertex() {
         for mut s in [
             PathSampler::independent(1, 2, 3),
-            PathSampler::sobol(1, 2, 3),
+            PathSampler::sobol(1, 2, 0, 3),
         ] {
             let mut drawn = Vec::new();
             for _ in 0..3 {
@@ -117,18 +122,44 @@ mod tests {
         }
     }
 
+    /// The second halves of sequences of 16, given that the first half has put a point into the lowest
+    /// sixteenth: never one there in the same sequence, as often as anywhere in another.
+    #[test]
+    fn points_of_another_sequence_do_not_avoid_those_of_the_first() {
+        let in_lowest = |pixel, begin, sample| {
+            PathSampler::sobol(1, pixel, begin, sample).next4()[0] < 1.0 / 16.0
+        };
+        let (mut given, mut same, mut other) = (0, 0, 0);
+        for pixel in 0..4096 {
+            if (0..8).any(|i| in_lowest(pixel, 0, i)) {
+                given += 1;
+                same += (8..16).filter(|&i| in_lowest(pixel, 0, i)).count();
+                other += (8..16).filter(|&i| in_lowest(pixel, 8, i)).count();
+            }
+        }
+        assert_eq!(same, 0);
+        // Half of the sequences have their one point of sixteen among the first eight; of the others' eight
+        // points each is there with a chance of 1/16.
+        let expected = given as f64 / 2.0;
+        assert!((given as f64 - 2048.0).abs() < 4.0 * 32.0, "{given}");
+        assert!(
+            (other as f64 - expected).abs() < 4.0 * expected.sqrt(),
+            "{other}"
+        );
+    }
+
     #[test]
     fn sobol_blocks_are_stratified_and_end_in_independent_numbers() {
         let mut counts = [0u32; 64];
         for sample in 0..64 {
-            let x = PathSampler::sobol(1, 2, sample).next4();
+            let x = PathSampler::sobol(1, 2, 0, sample).next4();
             counts[(x[0] * 8.0) as usize * 8 + (x[1] * 8.0) as usize] += 1;
         }
         assert!(
             counts.iter().all(|&c| c == 1),
             "a (0,2)-net puts one point in each cell"
         );
-        let mut s = PathSampler::sobol(1, 2, 3);
+        let mut s = PathSampler::sobol(1, 2, 0, 3);
         for _ in 0..1000 {
             assert!(s.next4().iter().all(|x| (0.0..1.0).contains(x)));
         }

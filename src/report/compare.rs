@@ -69,10 +69,13 @@ pub struct Z {
     pub inside: f64,
     /// z of the image's mean, for red, green and blue.
     pub of_mean: [f64; 3],
+    /// Standard deviation of z of pixels and of the means over blocks of 4 x 4 and 16 x 16 pixels: 1 where noise
+    /// explains the differences; `null` where the image has no such block.
+    pub deviations: [Option<f64>; 3],
 }
 
 /// Heads of the columns.
-const HEAD: [&str; 12] = [
+const HEAD: [&str; 13] = [
     "image",
     "L1",
     "RMSE",
@@ -85,6 +88,7 @@ const HEAD: [&str; 12] = [
     "fireflies",
     "not finite",
     "z inside",
+    "sd of z, 1 4 16 px",
 ];
 
 impl Comparison {
@@ -98,6 +102,12 @@ impl Comparison {
         let rows: Vec<Vec<String>> = self.images.iter().map(row).collect();
         markdown(&HEAD, &rows)
     }
+}
+
+/// The standard deviations of z in a cell.
+fn deviations(z: Z) -> String {
+    let one = |d: Option<f64>| d.map_or("-".into(), |d| format!("{d:.2}"));
+    z.deviations.map(one).join(" ")
 }
 
 fn row(of: &ImageErrors) -> Vec<String> {
@@ -116,5 +126,6 @@ fn row(of: &ImageErrors) -> Vec<String> {
         of.fireflies.to_string(),
         of.not_finite.to_string(),
         or_dash(of.z.map(|z| z.inside)),
+        of.z.map_or("-".into(), deviations),
     ]
 }

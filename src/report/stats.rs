@@ -38,6 +38,8 @@ pub struct Stats {
     pub rays_per_second: f64,
     /// Expected root of the relative mean squared error; `null` below two samples a pixel.
     pub noise: Option<f32>,
+    /// Standard error of the noise, as a share of it: large where a few pixels have most of the variance.
+    pub noise_error: Option<f32>,
     /// Samples dropped because they were not finite.
     pub invalid_samples: u64,
     /// Reading the scene and its meshes.

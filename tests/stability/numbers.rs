@@ -42,13 +42,16 @@ fn pixel_error(count: u32) -> f64 {
     let mut rng = Pcg32::new(9, 9);
     let mut pixel = Pixel::default();
     let (mut high, mut low) = (0.0f64, 0.0f64);
-    for _ in 0..count {
+    for index in 0..count {
         let x = 10f32.powf(rng.next_f32() * 16.0 - 8.0);
-        pixel.add(&Sample {
-            radiance: Rgb::splat(x),
-            weight: 1.0,
-            ..Sample::default()
-        });
+        pixel.add(
+            u64::from(index),
+            &Sample {
+                radiance: Rgb::splat(x),
+                weight: 1.0,
+                ..Sample::default()
+            },
+        );
         // Knuth's sum of two numbers, exact.
         let x = f64::from(x);
         let sum = high + x;

@@ -6,6 +6,7 @@ use self::drawings::Drawings;
 use super::measure_args::{CompareArgs, LimitArgs};
 use super::{Failure, console, output};
 use crate::image::file::ImageFile;
+use crate::image::metrics::blocks::KnownNoise;
 use crate::image::metrics::{Pair, errors, fireflies, flip, ssim, ztest};
 use crate::image::{self, Image, PixelType};
 use crate::report::compare::{Comparison, ImageErrors, Z};
@@ -114,14 +115,12 @@ fn measure(path: &Path, pair: &Pair, args: &CompareArgs, kind: &str) -> (ImageEr
 
 /// The z-test, where both files carry the variance of their pixels.
 fn z_test(pair: &Pair, image: &Image, reference: &Image) -> Option<Z> {
-    let test = ztest::ztest(
-        pair,
-        &ztest::variance_of(image)?,
-        &ztest::variance_of(reference)?,
-    )?;
+    let known = [KnownNoise::of(image)?, KnownNoise::of(reference)?];
+    let test = ztest::ztest(pair, [&known[0], &known[1]])?;
     Some(Z {
         inside: test.inside,
         of_mean: test.of_mean,
+        deviations: test.deviations,
     })
 }
 

@@ -1,15 +1,22 @@
 //! Tiles and pixels as rows of 64-bit numbers, and those as EXR's 32-bit ones.
 
-use crate::film::{Pixel, Tile};
+use crate::film::{Late, Pixel, Tile};
 use xxhash_rust::xxh3::Xxh3;
 
 /// What is stored of a pixel. EXR sorts channels by name: so is this list, and `.high` stays before `.low`.
-pub const PIXEL: [&str; 18] = [
+pub const PIXEL: [&str; 25] = [
     "albedo.b",
     "albedo.g",
     "albedo.r",
     "count",
     "depth",
+    "late.b",
+    "late.from",
+    "late.g",
+    "late.r",
+    "late.sequence",
+    "late.worth",
+    "late.worth_squares",
     "met",
     "normal.x",
     "normal.y",
@@ -51,8 +58,35 @@ pub fn of_pixel(p: &Pixel) -> PixelNumbers {
     let [sr, sg, sb] = p.squares.map(f64::to_bits);
     let [depth, weight, worth, ws] =
         [p.depth, p.weight, p.worth, p.worth_squares].map(f64::to_bits);
+    let late = &p.late;
+    let [lr, lg, lb] = late.radiance.map(f64::to_bits);
+    let [late_worth, late_ws] = [late.worth, late.worth_squares].map(f64::to_bits);
     [
-        ab, ag, ar, p.count, depth, p.met, nx, ny, nz, rb, rg, rr, sb, sg, sr, weight, worth, ws,
+        ab,
+        ag,
+        ar,
+        p.count,
+        depth,
+        lb,
+        late.from,
+        lg,
+        lr,
+        late.sequence,
+        late_worth,
+        late_ws,
+        p.met,
+        nx,
+        ny,
+        nz,
+        rb,
+        rg,
+        rr,
+        sb,
+        sg,
+        sr,
+        weight,
+        worth,
+        ws,
     ]
 }
 
@@ -60,16 +94,23 @@ pub fn of_pixel(p: &Pixel) -> PixelNumbers {
 pub fn to_pixel(n: &PixelNumbers) -> Pixel {
     let real = |i: usize| f64::from_bits(n[i]);
     Pixel {
-        radiance: [real(11), real(10), real(9)],
-        squares: [real(14), real(13), real(12)],
-        weight: real(15),
-        worth: real(16),
-        worth_squares: real(17),
+        radiance: [real(18), real(17), real(16)],
+        squares: [real(21), real(20), real(19)],
+        weight: real(22),
+        worth: real(23),
+        worth_squares: real(24),
         count: n[3],
         albedo: [real(2), real(1), real(0)],
-        normal: [real(6), real(7), real(8)],
+        normal: [real(13), real(14), real(15)],
         depth: real(4),
-        met: n[5],
+        met: n[12],
+        late: Late {
+            from: n[6],
+            radiance: [real(8), real(7), real(5)],
+            worth: real(10),
+            worth_squares: real(11),
+            sequence: n[9],
+        },
     }
 }
 

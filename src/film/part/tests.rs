@@ -167,7 +167,7 @@ fn what_is_not_a_part_is_refused_with_a_reason() {
     )
     .unwrap();
     let mut bytes = std::fs::read(&path).unwrap();
-    let (old, new) = (b"\"layout\":2", b"\"layout\":7");
+    let (old, new) = (b"\"layout\":3", b"\"layout\":7");
     let places: Vec<usize> = (0..bytes.len() - old.len())
         .filter(|&i| &bytes[i..i + old.len()] == old)
         .collect();

@@ -8,6 +8,7 @@
 //! Most numbers are of linear light. [`Pair::shown`] is the same pair as a screen shows it, for metrics
 //! that know values from 0 to 1.
 
+pub mod blocks;
 pub mod errors;
 pub mod fireflies;
 pub mod flip;

@@ -1,9 +1,10 @@
 //! Agreement with numpy, scikit-image and FLIP's own program (`tests/vectors/metrics/metrics.py`), and
 //! what they leave open: numbers that are not finite, fireflies, variances.
 
+use super::blocks::KnownNoise;
 use super::errors::{Errors, psnr};
 use super::flip::Exposures;
-use super::ztest::ztest;
+use super::ztest::{ZTest, ztest};
 use super::{Pair, fireflies, flip, ssim};
 use crate::image::{Image, read};
 use crate::math::{Pcg32, Rgb};
@@ -185,6 +186,53 @@ fn fireflies_are_brighter_than_all_around_them() {
     }
 }
 
+/// The test where nothing is known but the variances of pixels.
+fn by_variance(pair: &Pair, variance: &[Rgb], of_reference: &[Rgb]) -> Option<ZTest> {
+    let known = [variance, of_reference].map(|variance| KnownNoise {
+        variance: variance.to_vec(),
+        noise: None,
+    });
+    ztest(pair, [&known[0], &known[1]])
+}
+
+/// Noise that four pixels in a row share: means over blocks are as unsure as the layer `noise` tells, and would
+/// seem far too sure without it.
+#[test]
+fn blocks_are_as_unsure_as_the_noise_of_neighbours_makes_them() {
+    let mut rng = Pcg32::new(6, 5);
+    let mut normal = || (0..12).map(|_| rng.next_f32()).sum::<f32>() - 6.0;
+    let mut shared = || -> Vec<Rgb> {
+        let one = |_| [Rgb::new(normal(), normal(), normal()) * 0.1; 4];
+        (0..256 * 64).flat_map(one).collect()
+    };
+    let (noise, error) = (shared(), shared());
+    let pixels: Vec<Rgb> = error.iter().map(|e| *e + 1.0).collect();
+    let picture = Image::from_rgb(256, 256, &pixels);
+    let truth = Image::from_rgb(256, 256, &vec![Rgb::ONE; 256 * 256]);
+    let pair = Pair::new(&picture, &truth).unwrap();
+    let exact = KnownNoise {
+        variance: vec![Rgb::ZERO; 256 * 256],
+        noise: None,
+    };
+    let deviations = |noise: Option<Vec<Rgb>>| {
+        let known = KnownNoise {
+            variance: vec![Rgb::splat(0.01); 256 * 256],
+            noise,
+        };
+        let test = ztest(&pair, [&known, &exact]).unwrap();
+        test.deviations.map(|d| d.expect("there are blocks"))
+    };
+    // 768 means over blocks of 16 x 16 pixels: their deviation is known to 2.6 %, the factor to 5 %.
+    let [one, four, sixteen] = deviations(Some(noise));
+    assert!((one - 1.0).abs() < 0.02, "{one}");
+    assert!((four - 1.0).abs() < 0.05, "{four}");
+    assert!((sixteen - 1.0).abs() < 0.15, "{sixteen}");
+    let [one, four, sixteen] = deviations(None);
+    assert!((one - 1.0).abs() < 0.02, "{one}");
+    assert!((four - 2.0).abs() < 0.1, "{four}");
+    assert!((sixteen - 2.0).abs() < 0.2, "{sixteen}");
+}
+
 #[test]
 fn noise_is_inside_the_band_as_often_as_it_should_be_and_bias_is_not() {
     // 40 000 pixels: the share's standard deviation is sqrt(0.001 * 0.999 / 120 000) < 1e-4.
@@ -197,7 +245,7 @@ fn noise_is_inside_the_band_as_often_as_it_should_be_and_bias_is_not() {
     let (zero, known) = (vec![Rgb::ZERO; 40_000], vec![Rgb::splat(0.01); 40_000]);
     let test = |truth: f32, variance: &[Rgb]| {
         let truth = Image::from_rgb(200, 200, &vec![Rgb::splat(truth); 40_000]);
-        ztest(&Pair::new(&picture, &truth).unwrap(), variance, &zero).unwrap()
+        by_variance(&Pair::new(&picture, &truth).unwrap(), variance, &zero).unwrap()
     };
     // Twelve uniform numbers have lighter tails than the normal distribution: 0.9995 are inside.
     let fair = test(1.0, &known);
@@ -213,8 +261,8 @@ fn noise_is_inside_the_band_as_often_as_it_should_be_and_bias_is_not() {
     let small: Vec<Rgb> = known.iter().map(|v| *v / 4.0).collect();
     assert!((test(1.0, &small).inside - 0.90).abs() < 0.01);
     let pair = Pair::new(&picture, &picture).unwrap();
-    assert_eq!(ztest(&pair, &zero, &zero).unwrap().inside, 1.0);
-    assert_eq!(ztest(&pair, &zero[1..], &zero), None);
+    assert_eq!(by_variance(&pair, &zero, &zero).unwrap().inside, 1.0);
+    assert_eq!(by_variance(&pair, &zero[1..], &zero), None);
 }
 
 #[test]
@@ -228,5 +276,5 @@ fn rounding_to_sixteen_bits_is_not_a_difference() {
     let zero = vec![Rgb::ZERO; 10_000];
     let [exact, halves] = [exact, halves].map(|list| greys(100, &list));
     let pair = Pair::new(&halves, &exact).unwrap();
-    assert_eq!(ztest(&pair, &zero, &zero).unwrap().inside, 1.0);
+    assert_eq!(by_variance(&pair, &zero, &zero).unwrap().inside, 1.0);
 }

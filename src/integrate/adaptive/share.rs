@@ -18,10 +18,9 @@ pub struct Share {
     phase: u8,
 }
 
-/// The shares of a tile's pixels, from one sample of the image on.
+/// The shares of a tile's pixels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TileShares {
-    from: u64,
     pixels: Vec<Share>,
 }
 
@@ -48,6 +47,12 @@ impl Share {
         }
     }
 
+    /// Number of its first path.
+    #[inline]
+    pub fn begin(&self) -> u64 {
+        u64::from(self.before)
+    }
+
     /// The numbers of its paths for the sample that comes `after` others with this share.
     #[inline]
     pub fn paths(&self, after: u64) -> Range<u64> {
@@ -70,21 +75,15 @@ impl Share {
 }
 
 impl TileShares {
-    /// Of these pixels, for the samples from number `from` on.
-    pub fn new(from: u64, pixels: Vec<Share>) -> Self {
-        Self { from, pixels }
+    /// Of these pixels.
+    pub fn new(pixels: Vec<Share>) -> Self {
+        Self { pixels }
     }
 
-    /// The paths of the tile's pixel `i` for a sample, which is not before the first, and what each counts.
+    /// That of the tile's pixel `i`.
     #[inline]
-    pub fn paths(&self, i: usize, sample: u64) -> (Range<u64>, f32) {
-        let share = &self.pixels[i];
-        (share.paths(sample - self.from), share.worth())
-    }
-
-    /// Paths that the tile's pixel `i` has taken before a sample.
-    pub fn taken(&self, i: usize, sample: u64) -> u64 {
-        self.pixels[i].taken(sample - self.from)
+    pub fn of(&self, i: usize) -> &Share {
+        &self.pixels[i]
     }
 
     /// Paths of the whole tile for a sample, on average.

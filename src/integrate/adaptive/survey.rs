@@ -2,8 +2,10 @@
 
 use super::share::{RANGE, Share, Shares, TileShares};
 use crate::film::{FLOOR, Film, Tile};
+use crate::integrate::start::Iteration;
 use crate::math::Rgb;
 use crate::math::rng::{hash_all, unit_f32};
+use crate::math::smooth::smooth;
 
 /// This much of the paths is spread evenly: a pixel that looks calm may not have met its brightest paths yet.
 const EVEN: f32 = 0.2;
@@ -94,18 +96,18 @@ impl Survey {
         }
     }
 
-    /// The shares for the samples from number `from` on, where those before had the shares `before`.
-    pub fn shares(&self, film: &Film, from: u64, before: Option<&Shares>) -> Shares {
-        let shares = relative(&smooth(&self.worthwhile(film), self.size));
+    /// The shares for the samples from number `from` on, which come after those of the iteration `before`.
+    pub fn shares(&self, film: &Film, from: u64, before: &Iteration) -> Shares {
+        let shares = relative(&smooth(&self.worthwhile(film), self.size, &SMOOTH));
         let of_tile = |(number, tile): (usize, &Tile)| {
             let share = |i: usize| {
-                let taken = before.map_or(from, |before| before[number].taken(i, from));
+                let taken = before.taken(number, i, from);
                 let [x, y] = tile.place(i).map(u64::from);
                 let lot = hash_all([self.seed, from, x, y]);
                 let lots = [lot as u32, (lot >> 32) as u32].map(unit_f32);
                 Share::new(shares[self.at(film, tile, i)], taken as u32, lots)
             };
-            TileShares::new(from, (0..tile.area()).map(share).collect())
+            TileShares::new((0..tile.area()).map(share).collect())
         };
         film.tiles().iter().enumerate().map(of_tile).collect()
     }
@@ -127,32 +129,6 @@ impl Survey {
         let ([x0, y0, ..], [x, y]) = (film.region(), tile.place(i));
         (y - y0) as usize * self.size[0] + (x - x0) as usize
     }
-}
-
-/// Smoothed along both axes; beyond an edge there is nothing to count.
-fn smooth(image: &[f32], [width, height]: [usize; 2]) -> Vec<f32> {
-    let across = along(image, width, height, [width, 1]);
-    along(&across, height, width, [1, width])
-}
-
-/// Smoothed along one axis: `lines` lines of `length` numbers, with these distances between lines and between numbers.
-fn along(image: &[f32], length: usize, lines: usize, [line, step]: [usize; 2]) -> Vec<f32> {
-    let mut smoothed = vec![0.0; image.len()];
-    let reach = SMOOTH.len() / 2;
-    for l in 0..lines {
-        for i in 0..length {
-            let (mut sum, mut weights) = (0.0, 0.0);
-            for (k, weight) in SMOOTH.iter().enumerate() {
-                let Some(j) = (i + k).checked_sub(reach).filter(|j| *j < length) else {
-                    continue;
-                };
-                sum += weight * image[l * line + j * step];
-                weights += weight;
-            }
-            smoothed[l * line + i * step] = sum / weights;
-        }
-    }
-    smoothed
 }
 
 /// Shares by variances, of mean 1.
@@ -222,20 +198,5 @@ mod tests {
         for sums in survey.pixels {
             assert!((sums.variance() / 0.7385 - 1.0).abs() < 1e-3, "{sums:?}");
         }
-    }
-
-    #[test]
-    fn smoothing_spreads_a_speck_and_keeps_the_sum_away_from_edges() {
-        let mut image = vec![0.0; 11 * 9];
-        image[4 * 11 + 5] = 81.0;
-        let smoothed = smooth(&image, [11, 9]);
-        assert!((smoothed.iter().sum::<f32>() - 81.0).abs() < 1e-3);
-        assert_eq!(smoothed[4 * 11 + 5], 9.0);
-        assert_eq!(smoothed[2 * 11 + 3], 1.0);
-        assert!(
-            smooth(&[5.0; 99], [11, 9])
-                .iter()
-                .all(|x| (x - 5.0).abs() < 1e-5)
-        );
     }
 }
