@@ -138,7 +138,7 @@ impl Container {
         let folder = self.path.parent().unwrap_or(Path::new("."));
         let plain = folder.join(uri);
         // Exporters that forget to escape spaces and per cent signs are common.
-        if plain.is_file() {
+        if plain.exists() {
             return Ok(plain);
         }
         Ok(folder.join(unescaped(uri)))

@@ -34,7 +34,7 @@ impl Unusable {
 
 /// Checks and repairs `raw`, gives it normals where it needs them, and packs it.
 pub(super) fn finish(mut raw: Raw, options: &MeshOptions) -> Result<Loaded, Unusable> {
-    let mut warnings = Vec::new();
+    let mut warnings = std::mem::take(&mut raw.warnings);
     check_size(&raw, options)?;
     check_positions(&mut raw, options, &mut warnings)?;
     drop_degenerate(&mut raw, &mut warnings);
@@ -208,5 +208,6 @@ fn pack(raw: Raw, warnings: Vec<String>) -> Result<Loaded, Unusable> {
         mesh,
         warnings,
         face_materials: raw.face_materials,
+        images: raw.images,
     })
 }

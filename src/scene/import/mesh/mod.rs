@@ -26,7 +26,7 @@ mod stl;
 mod tests;
 mod text;
 
-use super::ImportError;
+use super::{ImportError, encoding};
 use crate::image::mapped;
 use crate::math::{DAffine3, DVec3, Vec2, Vec3};
 use crate::scene::description::Mesh;
@@ -57,6 +57,21 @@ pub struct MeshOptions {
     /// Of an OBJ file, keep which material each face has: as the attribute [`FACE_MATERIAL`] and
     /// [`Loaded::face_materials`].
     pub face_materials: bool,
+    /// Most bytes that what is compressed in a file may unpack to.
+    pub decoded_limit: u64,
+}
+
+/// Most bytes that a mesh file may unpack to where nobody says how many.
+pub const DECODED_LIMIT: u64 = 4 << 30;
+
+/// What is said about a file that would unpack to `bytes`.
+pub(super) fn too_large(bytes: u64, limit: u64) -> String {
+    const MIB: u64 = 1 << 20;
+    format!(
+        "unpacks to {} MiB or more, and {} MiB are the limit (raise it with --limit-decoded)",
+        bytes.div_ceil(MIB),
+        limit / MIB
+    )
 }
 
 /// Name of the attribute of faces that numbers their materials.
@@ -82,6 +97,7 @@ impl Default for MeshOptions {
             shape_index: 0,
             lenient: false,
             face_materials: false,
+            decoded_limit: DECODED_LIMIT,
         }
     }
 }
@@ -122,6 +138,8 @@ pub struct Loaded {
     pub warnings: Vec<String>,
     /// Materials of an OBJ file, if they were asked for.
     pub face_materials: FaceMaterials,
+    /// Images that a PLY file names in comments (`comment TextureFile NAME`).
+    pub images: Vec<String>,
 }
 
 /// Reads a mesh. Uses rayon's threads; the result does not depend on their number.
@@ -177,8 +195,15 @@ fn raw(
     options: &MeshOptions,
     path: &Path,
 ) -> Result<Raw, ImportError> {
+    let is_text = matches!(kind, MeshKind::Obj | MeshKind::Ply);
+    if let Some(wrong) = encoding::wide(data).filter(|_| is_text) {
+        return Err(Fault::new(0, wrong).in_text(data, path));
+    }
     match kind {
-        MeshKind::Obj => obj::read(data, options).map_err(|e| e.in_text(data, path)),
+        MeshKind::Obj => {
+            let data = &encoding::lines(data);
+            obj::read(data, options).map_err(|e| e.in_text(data, path))
+        }
         MeshKind::Ply => ply::read(data, options, path),
         MeshKind::Serialized => serialized::read(data, options).map_err(|e| e.in_binary(path)),
         MeshKind::Stl => stl::read(data, options, path),
@@ -250,6 +275,10 @@ struct Raw {
     /// The file asks for flat shading.
     flat: bool,
     face_materials: FaceMaterials,
+    /// Images that the file names.
+    images: Vec<String>,
+    /// What the reader met and left out.
+    warnings: Vec<String>,
 }
 
 /// Something wrong at a byte of a file.
