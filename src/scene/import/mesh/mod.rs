@@ -57,21 +57,6 @@ pub struct MeshOptions {
     /// Of an OBJ file, keep which material each face has: as the attribute [`FACE_MATERIAL`] and
     /// [`Loaded::face_materials`].
     pub face_materials: bool,
-    /// Most bytes that what is compressed in a file may unpack to.
-    pub decoded_limit: u64,
-}
-
-/// Most bytes that a mesh file may unpack to where nobody says how many.
-pub const DECODED_LIMIT: u64 = 4 << 30;
-
-/// What is said about a file that would unpack to `bytes`.
-pub(super) fn too_large(bytes: u64, limit: u64) -> String {
-    const MIB: u64 = 1 << 20;
-    format!(
-        "unpacks to {} MiB or more, and {} MiB are the limit (raise it with --limit-decoded)",
-        bytes.div_ceil(MIB),
-        limit / MIB
-    )
 }
 
 /// Name of the attribute of faces that numbers their materials.
@@ -97,7 +82,6 @@ impl Default for MeshOptions {
             shape_index: 0,
             lenient: false,
             face_materials: false,
-            decoded_limit: DECODED_LIMIT,
         }
     }
 }

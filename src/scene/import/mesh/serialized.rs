@@ -5,7 +5,7 @@
 //! colours and indices. A list of the meshes' offsets ends the file: 64 bits each in version 4, 32 in
 //! version 3, then their number in 32 bits. All little endian.
 
-use super::{Fault, MeshOptions, Raw, place, too_large};
+use super::{Fault, MeshOptions, Raw, place};
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::texture::MeshAttribute;
 use flate2::read::ZlibDecoder;
@@ -41,7 +41,6 @@ pub(super) fn read(data: &[u8], options: &MeshOptions) -> Result<Raw, Fault> {
     };
     let vertices = stream.count("number of vertices")?;
     let triangles = stream.count("number of triangles")?;
-    stream.check_size([vertices, triangles], options.decoded_limit)?;
     stream.vertices(flags, precision, [vertices, triangles], options)
 }
 
@@ -153,16 +152,6 @@ impl<'a> Stream<'a> {
             )));
         }
         Ok(count as usize)
-    }
-
-    /// Positions and indices alone must stay within the limit: a stream that is all zeros may stand for
-    /// a thousand times its length.
-    fn check_size(&self, [vertices, triangles]: [usize; 2], limit: u64) -> Result<(), Fault> {
-        let bytes = (vertices as u64 + triangles as u64).saturating_mul(12);
-        if bytes <= limit {
-            return Ok(());
-        }
-        Err(self.fault(too_large(bytes, limit)))
     }
 
     fn skip_name(&mut self) -> Result<(), Fault> {
