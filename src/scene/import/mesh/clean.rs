@@ -1,6 +1,6 @@
 //! From what a file holds to what the renderer may rely on.
 
-use super::{Loaded, MeshOptions, Raw, crease, normals};
+use super::{Loaded, MeshOptions, Raw, crease, normals, repeated};
 use crate::accel::TriangleMesh;
 use crate::math::{Vec2, Vec3};
 use crate::scene::description::Mesh;
@@ -38,6 +38,7 @@ pub(super) fn finish(mut raw: Raw, options: &MeshOptions) -> Result<Loaded, Unus
     check_size(&raw, options)?;
     check_positions(&mut raw, options, &mut warnings)?;
     drop_degenerate(&mut raw, &mut warnings);
+    drop_repeated(&mut raw, &mut warnings);
     repair_values(&mut raw, &mut warnings);
     if raw.triangles.is_empty() {
         let message = "the mesh has no triangle with an area";
@@ -125,6 +126,19 @@ fn drop_degenerate(raw: &mut Raw, warnings: &mut Vec<String>) {
     let dropped = before - raw.triangles.len();
     let of = "triangles without area dropped, the first is triangle";
     warnings.push(format!("{dropped} {of} {first} (counted from 0)"));
+}
+
+/// Drops triangles that stand where another one does, where they are many.
+fn drop_repeated(raw: &mut Raw, warnings: &mut Vec<String>) {
+    let Some(repeats) = repeated::find(raw) else {
+        return;
+    };
+    let dropped = repeats.iter().filter(|r| **r).count();
+    let first = repeats.iter().position(|r| *r).unwrap_or(0);
+    keep_triangles(raw, |i, _| !repeats[i]);
+    warnings.push(format!(
+        "{dropped} triangles dropped that stand exactly where another one does, the first is triangle {first} (counted from 0)"
+    ));
 }
 
 /// Keeps the triangles that `keep` says, with their attributes.

@@ -19,6 +19,7 @@ mod normals;
 mod obj;
 mod ply;
 mod polygon;
+mod repeated;
 mod serialized;
 mod split;
 mod stl;
