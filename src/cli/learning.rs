@@ -34,7 +34,7 @@ impl Opened {
     /// # Errors
     /// When it cannot be read, is not a field, or is damaged.
     pub fn read(path: &Path) -> Result<Self, Failure> {
-        let bytes = std::fs::read(path)
+        let bytes = crate::image::regular::read(path)
             .map_err(|e| Failure::Wrong(format!("{} cannot be read: {e}", path.display())))?;
         let file = FieldFile::from_bytes(&bytes)
             .map_err(|e| Failure::Wrong(format!("{}: {e}", path.display())))?;

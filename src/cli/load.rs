@@ -293,7 +293,7 @@ fn load_models(
     picture: Option<&PictureArgs>,
 ) -> Result<Description, Failure> {
     let z_up = args.up == UpAxis::Z;
-    if let Some(path) = args.envmap.as_ref().filter(|p| !p.is_file()) {
+    if let Some(path) = args.envmap.as_ref().filter(|p| !p.exists()) {
         let message = format!("there is no environment map {}", path.display());
         return Err(Failure::wrong(message, "--envmap names an image file"));
     }

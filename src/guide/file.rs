@@ -188,7 +188,7 @@ impl FieldFile {
     /// # Errors
     /// When the file cannot be read, is not a field, is of another version, or is damaged.
     pub fn load(path: &Path) -> Result<Self, GuideError> {
-        let bytes = std::fs::read(path).map_err(|source| GuideError::Io {
+        let bytes = crate::image::regular::read(path).map_err(|source| GuideError::Io {
             path: path.to_owned(),
             source,
         })?;

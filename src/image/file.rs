@@ -53,11 +53,10 @@ impl ImageFile {
     /// Opens a file at its first part.
     pub fn open(path: &Path) -> Result<Self, ImageError> {
         let error = |reason: String| ImageError::new(path, reason);
-        let meta = std::fs::metadata(path)
+        // The libraries open the file by its name: here it is seen to be one that has an end.
+        let meta = super::regular::open(path)
+            .and_then(|file| file.metadata())
             .map_err(|e| error(format!("the image cannot be opened: {e}")))?;
-        if !meta.is_file() {
-            return Err(error("is not a file".into()));
-        }
         let unreadable = |why| error(format!("the image cannot be read: {why}"));
         promise::check_exr(path, meta.len()).map_err(unreadable)?;
         let input = Input::open(path).map_err(unreadable)?;

@@ -2,7 +2,6 @@
 //!
 //! It stands here, with the images, because this is the room for code that leaves Rust's guarantees.
 
-use std::fs::File;
 use std::ops::Deref;
 use std::path::Path;
 
@@ -29,14 +28,10 @@ impl Deref for Mapped {
 /// Maps the file `path`.
 ///
 /// # Errors
-/// When it cannot be opened or is a directory.
+/// When it cannot be opened or is no regular file.
 pub fn open(path: &Path) -> std::io::Result<Mapped> {
-    let file = File::open(path)?;
-    let meta = file.metadata()?;
-    if meta.is_dir() {
-        return Err(std::io::Error::other("it is a directory"));
-    }
-    if meta.len() == 0 {
+    let file = super::regular::open(path)?;
+    if file.metadata()?.len() == 0 {
         return Ok(Mapped::Empty);
     }
     // SAFETY: the map is read only and lives no longer than the load. Bytes that another program

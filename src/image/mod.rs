@@ -22,6 +22,7 @@ pub mod oiio;
 #[cfg(any(test, not(feature = "oiio")))]
 mod openexr;
 mod promise;
+pub mod regular;
 pub mod spill;
 #[cfg(test)]
 mod tests;

@@ -2,7 +2,6 @@
 
 use super::file::Level;
 use exr::meta::MetaData;
-use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek};
 use std::path::Path;
 
@@ -48,7 +47,7 @@ pub fn numbers(level: Level, channels: usize, file_bytes: u64) -> Result<usize, 
 /// # Errors
 /// When the file cannot hold what its headers promise.
 pub fn check_exr(path: &Path, file_bytes: u64) -> Result<(), String> {
-    let Ok(file) = File::open(path) else {
+    let Ok(file) = super::regular::open(path) else {
         return Ok(());
     };
     if let Walk::Promises(size) = walk(&mut BufReader::new(file), file_bytes) {

@@ -11,7 +11,6 @@ use crate::light::Emitter;
 use crate::texture::Bitmap;
 use rayon::prelude::*;
 use std::fmt::Write as _;
-use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 use std::sync::Arc;
@@ -124,7 +123,7 @@ impl Print {
 
     /// Adds the contents of a file.
     fn file(&mut self, path: &Path) -> io::Result<()> {
-        let mut file = File::open(path)?;
+        let mut file = crate::image::regular::open(path)?;
         let mut buffer = vec![0; 1 << 18];
         loop {
             let n = file.read(&mut buffer)?;

@@ -7,6 +7,7 @@ mod errors;
 mod farming;
 mod fields;
 mod generated;
+mod importing;
 mod inspect;
 mod invalid;
 mod losses;

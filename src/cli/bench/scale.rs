@@ -18,7 +18,6 @@ use crate::make::{Pattern, write_ply};
 use crate::report::scale::{ScaleBench, SizeRow, TracerRow};
 use crate::report::scale_plot;
 use crate::scene::import::mesh::{self, MeshKind, MeshOptions};
-use std::fs::File;
 use std::hint::black_box;
 use std::io::Read;
 use std::path::Path;
@@ -196,7 +195,7 @@ fn floor(file: &Path, pattern: &Pattern) -> Result<f64, Failure> {
 }
 
 fn read_through(file: &Path, piece: &mut [u8]) -> std::io::Result<()> {
-    let mut open = File::open(file)?;
+    let mut open = crate::image::regular::open(file)?;
     while open.read(piece)? > 0 {
         black_box(&piece);
     }

@@ -121,7 +121,7 @@ impl Subject {
 }
 
 fn reference(args: &SweepArgs, subject: &Subject) -> Result<Reference, Failure> {
-    let bytes = std::fs::read(&args.reference)
+    let bytes = crate::image::regular::read(&args.reference)
         .map_err(|e| Failure::Wrong(format!("{} cannot be read: {e}", args.reference.display())))?;
     let relmse = crate::report::sweep::pictures::own_error(&subject.reference);
     if relmse.is_none() {

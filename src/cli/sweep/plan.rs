@@ -49,7 +49,7 @@ pub struct SceneTraits {
 /// When it cannot be read or makes no sense.
 pub fn read(path: &Path) -> Result<Vec<Configuration>, Failure> {
     let name = path.display();
-    let text = std::fs::read_to_string(path)
+    let text = crate::image::regular::read_to_string(path)
         .map_err(|e| Failure::Wrong(format!("{name} cannot be read: {e}")))?;
     let help = r#"write something like {"base": "--guide double", "knobs": {"photons": ["100000"], "robust": ["on"]}, "combinations": {"plain": "--guide none"}}"#;
     let file: PlanFile =

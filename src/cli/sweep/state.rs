@@ -11,7 +11,7 @@ use std::path::Path;
 /// When it is of others, or cannot be read.
 pub fn read(directory: &Path, wanted: &Setting) -> Result<Option<Sweep>, Failure> {
     let path = directory.join("report.json");
-    let bytes = match std::fs::read(&path) {
+    let bytes = match crate::image::regular::read(&path) {
         Ok(bytes) => bytes,
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
         Err(e) => return Err(Failure::Refused(format!("{}: {e}", path.display()))),

@@ -3,7 +3,7 @@
 use super::numbers::{self, HALVES, PIXEL, TILE};
 use super::{ATTRIBUTE, LAYOUT, Record};
 use crate::film::{Film, Pixel, TILE_SIZE, Tile};
-use crate::image::ImageError;
+use crate::image::{ImageError, regular};
 use exr::block::UncompressedBlock;
 use exr::block::reader::{ChunksReader, Reader};
 use exr::meta::attribute::AttributeValue;
@@ -47,7 +47,7 @@ impl PartReader {
     }
 
     fn try_open(path: &Path) -> Result<Self, String> {
-        let file = File::open(path).map_err(|e| e.to_string())?;
+        let file = regular::open(path).map_err(|e| e.to_string())?;
         let file = exr::block::read(BufReader::with_capacity(1 << 20, file), true)
             .map_err(|e| format!("this is not a part of a render ({e})"))?;
         let [tiles, pixels] = file.headers() else {

@@ -2,11 +2,13 @@
 
 use std::path::PathBuf;
 
+mod encoding;
 pub mod gltf;
 pub mod ior;
 pub mod mesh;
 pub mod mitsuba;
 pub mod models;
+mod named;
 mod options;
 pub mod parts;
 pub mod spectrum;

@@ -6,8 +6,6 @@ use super::schema::{Accessor, Sparse};
 use crate::scene::import::ImportError;
 use rayon::prelude::*;
 
-/// Most elements of an accessor that has no bytes of its own (all zeros): nothing in the file bounds it.
-const MOST_ZEROS: usize = 1 << 26;
 /// Elements a thread takes at once.
 const GRAIN: usize = 1 << 14;
 
@@ -163,10 +161,6 @@ impl<'a> Accessors<'a> {
     /// The elements themselves, or `None` where they are all zero.
     fn base(&self, accessor: &Accessor, size: usize) -> Result<Option<Rows<'a>>, ImportError> {
         let Some(view) = accessor.buffer_view else {
-            if accessor.count > MOST_ZEROS {
-                let count = accessor.count;
-                return Err(self.fail(format!("an accessor promises {count} zeros")));
-            }
             return Ok(None);
         };
         let views = &self.container.document.buffer_views;
@@ -187,6 +181,7 @@ impl<'a> Accessors<'a> {
             .ok_or_else(|| self.fail("sparse indices are of no known type"))?;
         let place = (at.byte_offset, sparse.count, kind.size());
         let rows = self.rows(at.buffer_view, place, None)?;
+        self.container.unpack(sparse.count, size_of::<usize>())?;
         let indices: Vec<usize> = (0..sparse.count)
             .map(|i| kind.read_index(rows.row(i)) as usize)
             .collect();
@@ -207,7 +202,10 @@ impl<'a> Accessors<'a> {
         }
         let size = N * component.size();
         let read = |row: &[u8]| component.read::<N>(row, accessor.normalized);
-        let mut values = match self.base(accessor, size)? {
+        let base = self.base(accessor, size)?;
+        self.container
+            .unpack(accessor.count, N * size_of::<f32>())?;
+        let mut values = match base {
             None => vec![[0.0; N]; accessor.count],
             Some(rows) => (0..rows.count)
                 .into_par_iter()
@@ -230,7 +228,9 @@ impl<'a> Accessors<'a> {
         if width != 1 || matches!(component, Component::F32) {
             return Err(self.fail(format!("accessor {index} is no list of indices")));
         }
-        let mut values = match self.base(accessor, component.size())? {
+        let base = self.base(accessor, component.size())?;
+        self.container.unpack(accessor.count, size_of::<u32>())?;
+        let mut values = match base {
             None => vec![0; accessor.count],
             Some(rows) => (0..rows.count)
                 .into_par_iter()

@@ -4,7 +4,7 @@ use super::meshopt::{self, Compression};
 use super::schema::{Buffer, BufferView, Document};
 use super::{error, hint};
 use crate::image::mapped::{self, Mapped};
-use crate::scene::import::{ImportError, Location};
+use crate::scene::import::{ImportError, Location, encoding, named};
 use base64::Engine;
 use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// First bytes of a `.glb`.
 const MAGIC: &[u8] = b"glTF";
@@ -26,6 +27,46 @@ pub(super) struct Container {
     buffers: Vec<Bytes>,
     /// Buffer views that were compressed.
     decoded: HashMap<usize, Vec<u8>>,
+    allowance: Allowance,
+}
+
+/// Bytes that may still be unpacked.
+///
+/// A short file may ask for much: by compression, by accessors without bytes, by naming the same bytes
+/// again and again. What the buffers hold may be unpacked many times over (8-bit numbers become floats,
+/// and meshes share vertices); beyond that there is a limit.
+struct Allowance {
+    spent: AtomicU64,
+    most: u64,
+}
+
+/// Most bytes that a file may unpack to, where nobody says how many.
+pub(super) const DECODED_LIMIT: u64 = 1 << 30;
+/// How often the buffers may be unpacked whatever the limit.
+const TIMES: u64 = 100;
+
+/// What is said about a file that would unpack to `bytes`.
+fn too_large(bytes: u64, limit: u64) -> String {
+    const MIB: u64 = 1 << 20;
+    format!(
+        "would unpack to {} MiB or more, and the limit is {} MiB: --limit-decoded raises it, if the file is to be trusted",
+        bytes.div_ceil(MIB),
+        limit / MIB
+    )
+}
+
+impl Allowance {
+    /// Takes `bytes`, if so many are left.
+    fn take(&self, bytes: u64) -> Result<(), String> {
+        let before = self.spent.fetch_add(bytes, Ordering::Relaxed);
+        let after = before.saturating_add(bytes);
+        if after <= self.most {
+            return Ok(());
+        }
+        // What was refused stays counted: nothing more is unpacked.
+        self.spent.store(u64::MAX / 2, Ordering::Relaxed);
+        Err(too_large(after, self.most))
+    }
 }
 
 /// Where a buffer's bytes are.
@@ -38,12 +79,18 @@ enum Bytes {
 
 impl Container {
     /// Opens `path` and all its buffers.
-    pub fn open(path: &Path) -> Result<Self, ImportError> {
+    ///
+    /// # Errors
+    /// When one of them cannot be read or is no glTF, or when it would unpack to more than `limit` bytes.
+    pub fn open(path: &Path, limit: u64) -> Result<Self, ImportError> {
         let file = map(path, path)?;
         let (json, binary) = match file.starts_with(MAGIC) {
             true => chunks(&file).map_err(|message| error(path, message))?,
-            false => (0..file.len(), None),
+            false => (encoding::start(&file)..file.len(), None),
         };
+        if let Some(wrong) = encoding::wide(&file) {
+            return Err(error(path, wrong));
+        }
         let document = parse(path, &file[json])?;
         let mut container = Self {
             path: path.to_owned(),
@@ -51,14 +98,29 @@ impl Container {
             file,
             buffers: Vec::new(),
             decoded: HashMap::new(),
+            allowance: Allowance {
+                spent: AtomicU64::new(0),
+                most: limit,
+            },
         };
         container.check_version()?;
         for (index, buffer) in container.document.buffers.iter().enumerate() {
             let bytes = container.buffer(index, buffer, &binary)?;
             container.buffers.push(bytes);
         }
+        let held = container.buffers.iter();
+        let held = held.map(|b| b.of(&container.file).len() as u64);
+        container.allowance.most = limit.max(TIMES.saturating_mul(held.sum()));
         container.decoded = container.decompress()?;
         Ok(container)
+    }
+
+    /// Notes that `count` elements of `size` bytes are about to be unpacked.
+    pub fn unpack(&self, count: usize, size: usize) -> Result<(), ImportError> {
+        let bytes = (count as u64).saturating_mul(size as u64);
+        self.allowance
+            .take(bytes)
+            .map_err(|message| error(&self.path, message))
     }
 
     /// Decodes all buffer views that are compressed.
@@ -70,6 +132,8 @@ impl Container {
                 .and_then(|how| {
                     let place = (how.buffer, how.byte_offset, how.byte_length);
                     let bytes = self.slice(place).ok_or("reaches beyond its buffer")?;
+                    let size = (how.count as u64).saturating_mul(how.byte_stride as u64);
+                    self.allowance.take(size)?;
                     meshopt::decode(bytes, &how)
                 });
             let fail = |e: String| error(&self.path, format!("buffer view {index} {e}"));
@@ -126,7 +190,11 @@ impl Container {
             return Ok(Bytes::Decoded(decoded));
         }
         let file = self.resolve(uri, what)?;
-        map(&file, &self.path).map(Bytes::File)
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        map(&file, &self.path).map(Bytes::File).map_err(|mut e| {
+            e.message += &named::hint(&file, folder);
+            e
+        })
     }
 
     /// The file that a relative URI names.
@@ -138,10 +206,10 @@ impl Container {
         let folder = self.path.parent().unwrap_or(Path::new("."));
         let plain = folder.join(uri);
         // Exporters that forget to escape spaces and per cent signs are common.
-        if plain.is_file() {
+        if plain.exists() {
             return Ok(plain);
         }
-        Ok(folder.join(unescaped(uri)))
+        Ok(named::resolve(folder, &unescaped(uri)))
     }
 
     /// The bytes that a data URI holds.

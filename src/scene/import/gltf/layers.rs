@@ -2,7 +2,7 @@
 
 use super::Importer;
 use super::extension::Extension;
-use super::materials::Core;
+use super::materials::{Core, Metal};
 use super::schema;
 use super::textures::{Use, uv_set};
 use crate::bsdf::material::{
@@ -36,14 +36,14 @@ fn ior_of(f0: f32) -> f32 {
 
 impl Importer<'_> {
     /// Reflectance and index of the dielectric part (`KHR_materials_ior`, `KHR_materials_specular`).
-    pub(super) fn dielectric(&mut self, material: &schema::Material) -> (f32, f32) {
+    pub(super) fn dielectric(&mut self, material: &schema::Material, of: &str) -> (f32, f32) {
         let ior = Extension::of(&material.extensions, "KHR_materials_ior");
         let ior = ior.map_or(1.5, |e| e.number("ior", 1.5));
         // 0 stands for "as reflective as can be" in the specification.
         let ior = if ior == 0.0 {
             ior_of(1.0)
         } else {
-            ior.max(1.0)
+            self.within(&format!("{of}: ior"), ior, [1.0, 1e3])
         };
         let Some(specular) = Extension::of(&material.extensions, "KHR_materials_specular") else {
             return (f0_of(ior), ior);
@@ -57,7 +57,9 @@ impl Importer<'_> {
                 self.warn(format!("\"{key}\" of KHR_materials_specular is left out"));
             }
         }
-        let factor = specular.number("specularFactor", 1.0) * luminance(color);
+        let factor = specular.number("specularFactor", 1.0);
+        let factor = self.fraction(&format!("{of}: specularFactor"), factor);
+        let factor = factor * luminance(color.max(Rgb::ZERO));
         ((f0_of(ior) * factor).min(1.0), ior)
     }
 
@@ -66,10 +68,12 @@ impl Importer<'_> {
         &mut self,
         material: &schema::Material,
         core: Core,
+        of: &str,
     ) -> Result<(MaterialId, bool), ImportError> {
         let sheen = self.sheen(material);
         let extension = Extension::of(&material.extensions, "KHR_materials_transmission");
         let factor = extension.map_or(0.0, |e| e.number("transmissionFactor", 0.0));
+        let factor = self.fraction(&format!("{of}: transmissionFactor"), factor);
         let Some(extension) = extension.filter(|_| factor > 0.0) else {
             let eta = ior_of(core.f0);
             // Sheen is known to `principled` alone.
@@ -77,7 +81,8 @@ impl Importer<'_> {
                 0.0 => metallic_roughness(&core, eta),
                 _ => principled(&core, number(0.0), eta, sheen),
             };
-            return Ok((self.push(opaque), false));
+            let base = self.push(opaque);
+            return Ok((self.beside_metal(base, &core), false));
         };
         let info = extension.texture("transmissionTexture");
         let share = self.textured(info.as_ref(), Use::Channel(0), Rgb::splat(factor))?;
@@ -104,6 +109,27 @@ impl Importer<'_> {
             second: metal,
         };
         Ok((self.push(blend), true))
+    }
+
+    /// `base`, of which a metal takes its share.
+    fn beside_metal(&mut self, base: MaterialId, core: &Core) -> MaterialId {
+        let Some(Metal { share, color }) = &core.metal else {
+            return base;
+        };
+        let metal = self.push(Material::MetallicRoughness(Box::new(MetallicRoughness {
+            base_color: color.clone(),
+            metallic: number(1.0),
+            roughness: core.roughness.clone(),
+            eta: 1.5,
+        })));
+        if share.constant() == Some(Rgb::ONE) {
+            return metal;
+        }
+        self.push(Material::Blend {
+            weight: share.clone(),
+            first: base,
+            second: metal,
+        })
     }
 
     /// What is left of light on its way through the volume that the surface encloses; `None` for thin
@@ -146,13 +172,16 @@ impl Importer<'_> {
         &mut self,
         material: &schema::Material,
         inner: MaterialId,
+        of: &str,
     ) -> Result<MaterialId, ImportError> {
         let coat = Extension::of(&material.extensions, "KHR_materials_clearcoat");
         let factor = coat.map_or(0.0, |c| c.number("clearcoatFactor", 0.0));
+        let factor = self.fraction(&format!("{of}: clearcoatFactor"), factor);
         let Some(coat) = coat.filter(|_| factor > 0.0) else {
             return Ok(inner);
         };
-        let mut roughness = coat.number("clearcoatRoughnessFactor", 0.0);
+        let roughness = coat.number("clearcoatRoughnessFactor", 0.0);
+        let mut roughness = self.fraction(&format!("{of}: clearcoatRoughnessFactor"), roughness);
         if let Some(info) = coat.texture("clearcoatRoughnessTexture") {
             self.warn("textures of a clear coat's roughness are replaced by their mean");
             let mean = self

@@ -13,6 +13,7 @@ use crate::scene::import::ImportError;
 use crate::scene::import::parts::NamedCamera;
 use glam::DMat3;
 use serde_json::Value;
+use std::f32::consts::FRAC_PI_2;
 
 /// glTF cameras and spots look along -z with +x to the right; ours along +z with +x to the left.
 const TURN: DMat3 = DMat3::from_cols(
@@ -52,7 +53,16 @@ impl Importer<'_> {
             .get("color")
             .and_then(|c| serde_json::from_value(c.clone()).ok());
         let color = Rgb::from(color.unwrap_or([1.0; 3]));
-        let light_power = color * number(&light, "intensity", 1.0) as f32;
+        let of = format!("light {index}");
+        let color = self.light_color(&format!("{of}: color"), color);
+        let intensity = number(&light, "intensity", 1.0) as f32;
+        let intensity = self.within(&format!("{of}: intensity"), intensity, [0.0, 1e18]);
+        let light_power = color * intensity;
+        if light.get("range").is_some() {
+            self.warn(
+                "the range of lights is left out: light falls off with the square of the distance",
+            );
+        }
         let position = place.translation.as_vec3();
         let kind = light
             .get("type")
@@ -67,7 +77,7 @@ impl Importer<'_> {
                 position,
                 intensity: light_power,
             },
-            "spot" => self.spot(&light, &place, light_power),
+            "spot" => self.spot(&light, &place, light_power, &of),
             _ => {
                 let message = format!("light {index} is of the unknown type \"{kind}\"");
                 return Err(error(self.path(), message));
@@ -77,11 +87,12 @@ impl Importer<'_> {
         Ok(())
     }
 
-    fn spot(&mut self, light: &Value, place: &DAffine3, intensity: Rgb) -> Emitter {
+    fn spot(&mut self, light: &Value, place: &DAffine3, intensity: Rgb, of: &str) -> Emitter {
         let cone = light.get("spot").cloned().unwrap_or_default();
-        let outer = number(&cone, "outerConeAngle", std::f64::consts::FRAC_PI_4);
-        let outer = outer.to_degrees().clamp(0.01, 90.0);
-        let inner = number(&cone, "innerConeAngle", 0.0);
+        let outer = number(&cone, "outerConeAngle", std::f64::consts::FRAC_PI_4) as f32;
+        let outer = self.within(&format!("{of}: outerConeAngle"), outer, [2e-4, FRAC_PI_2]);
+        let inner = number(&cone, "innerConeAngle", 0.0) as f32;
+        let inner = self.within(&format!("{of}: innerConeAngle"), inner, [0.0, outer]);
         let m = place.matrix3;
         Emitter::Spot {
             to_world: Affine3A::from_cols(
@@ -91,8 +102,8 @@ impl Importer<'_> {
                 place.translation.as_vec3a(),
             ),
             intensity,
-            cutoff_degrees: outer as f32,
-            beam_degrees: inner.to_degrees().clamp(0.0, outer) as f32,
+            cutoff_degrees: outer.to_degrees(),
+            beam_degrees: inner.to_degrees(),
             texture: None,
         }
     }

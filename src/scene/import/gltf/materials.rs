@@ -15,7 +15,7 @@ use super::schema::{self, TextureInfo};
 use super::textures::{Use, bent_normals, uv_set};
 use super::{Importer, error};
 use crate::bsdf::{Material, MaterialId};
-use crate::math::{Rgb, luminance};
+use crate::math::Rgb;
 use crate::scene::import::ImportError;
 use crate::texture::Texture;
 use std::sync::Arc;
@@ -51,6 +51,23 @@ pub(super) struct Core {
     pub f0: f32,
     /// The index of refraction itself, for what is transmitted.
     pub ior: f32,
+    /// A metal of a colour of its own beside all that.
+    pub metal: Option<Metal>,
+}
+
+/// A metal that takes a share of a surface.
+pub(super) struct Metal {
+    pub share: Texture,
+    pub color: Texture,
+}
+
+/// How messages call a material.
+fn name_of(material: &schema::Material, index: Option<usize>) -> String {
+    match (&material.name, index) {
+        (Some(name), _) => format!("material \"{name}\""),
+        (None, Some(index)) => format!("material {index}"),
+        (None, None) => "the default material".into(),
+    }
 }
 
 /// Whether the material emits light.
@@ -101,11 +118,12 @@ impl Importer<'_> {
                 .ok_or_else(|| error(self.path(), format!("there is no material {index}")))?,
         };
         self.tell_what_is_left_out(material);
-        let core = self.core(material, variant)?;
-        let emission = self.emission(material)?;
+        let of = name_of(material, variant.index);
+        let core = self.core(material, variant, &of)?;
+        let emission = self.emission(material, &of)?;
         let id = match self.only_material {
             Some(id) => id,
-            None => self.surface(material, variant, core)?,
+            None => self.surface(material, variant, core, &of)?,
         };
         let finish = Finish {
             material: id,
@@ -120,6 +138,7 @@ impl Importer<'_> {
         material: &schema::Material,
         variant: Variant,
         core: Core,
+        of: &str,
     ) -> Result<MaterialId, ImportError> {
         let alpha = core.alpha.clone();
         let unlit = Extension::of(&material.extensions, "KHR_materials_unlit").is_some();
@@ -127,9 +146,9 @@ impl Importer<'_> {
             let reflectance = core.color;
             (self.push(Material::Diffuse { reflectance }), false)
         } else {
-            self.body(material, core)?
+            self.body(material, core, of)?
         };
-        let mut id = self.coated(material, base)?;
+        let mut id = self.coated(material, base, of)?;
         if let Some(info) = &material.normal_texture {
             if let Some(normals) = self.texture(info, Use::Vector)? {
                 let scale = info.scale.unwrap_or(1.0);
@@ -149,7 +168,13 @@ impl Importer<'_> {
                 let cutoff = material.alpha_cutoff.unwrap_or(0.5);
                 Texture::Threshold(Arc::new((alpha, cutoff)))
             }
-            _ => return Ok(id),
+            None | Some("OPAQUE") => return Ok(id),
+            Some(other) => {
+                self.warn(format!(
+                    "{of}: alphaMode \"{other}\" is none of OPAQUE, MASK, BLEND: taken as OPAQUE"
+                ));
+                return Ok(id);
+            }
         };
         if opacity.constant() == Some(Rgb::ONE) {
             return Ok(id);
@@ -161,25 +186,42 @@ impl Importer<'_> {
         self.parts.materials.push(material)
     }
 
-    fn emission(&mut self, material: &schema::Material) -> Result<Option<Texture>, ImportError> {
+    fn emission(
+        &mut self,
+        material: &schema::Material,
+        of: &str,
+    ) -> Result<Option<Texture>, ImportError> {
         if !glows(material) {
             return Ok(None);
         }
         let name = "KHR_materials_emissive_strength";
         let strength = Extension::of(&material.extensions, name);
         let strength = strength.map_or(1.0, |e| e.number("emissiveStrength", 1.0));
-        let factor = Rgb::from(material.emissive_factor.unwrap_or_default()) * strength.max(0.0);
+        let factor = Rgb::from(material.emissive_factor.unwrap_or_default());
+        let factor = self.light_color(&format!("{of}: emissiveFactor"), factor);
+        if factor.max_element() > 1.0 {
+            self.warn(format!(
+                "{of}: emissiveFactor is {factor}, above 1, and taken as it is"
+            ));
+        }
+        let strength = self.within(&format!("{of}: emissiveStrength"), strength, [0.0, 1e18]);
+        let factor = factor * strength;
         let info = material.emissive_texture.as_ref();
         let radiance = self.textured(info, Use::Color, factor)?;
         Ok((radiance.mean().max_element() > 0.0).then_some(radiance))
     }
 
     /// The parameters of either workflow.
-    fn core(&mut self, material: &schema::Material, variant: Variant) -> Result<Core, ImportError> {
+    fn core(
+        &mut self,
+        material: &schema::Material,
+        variant: Variant,
+        of: &str,
+    ) -> Result<Core, ImportError> {
         let gloss = "KHR_materials_pbrSpecularGlossiness";
         let mut core = match Extension::of(&material.extensions, gloss) {
-            Some(gloss) => self.specular_glossiness(gloss)?,
-            None => self.metallic_roughness(material)?,
+            Some(gloss) => self.specular_glossiness(gloss, of)?,
+            None => self.metallic_roughness(material, of)?,
         };
         if variant.colored {
             core.color = core.color.times(Texture::MeshAttribute(COLOR.into()));
@@ -190,22 +232,32 @@ impl Importer<'_> {
         Ok(core)
     }
 
-    fn metallic_roughness(&mut self, material: &schema::Material) -> Result<Core, ImportError> {
+    fn metallic_roughness(
+        &mut self,
+        material: &schema::Material,
+        of: &str,
+    ) -> Result<Core, ImportError> {
         let plain = schema::Pbr::default();
         let pbr = material.pbr_metallic_roughness.as_ref().unwrap_or(&plain);
         let [r, g, b, a] = pbr.base_color_factor.unwrap_or([1.0; 4]);
         let color = pbr.base_color_texture.as_ref();
         let surface = pbr.metallic_roughness_texture.as_ref();
-        let metallic = Rgb::splat(pbr.metallic_factor.unwrap_or(1.0));
-        let roughness = Rgb::splat(pbr.roughness_factor.unwrap_or(1.0));
-        let (f0, ior) = self.dielectric(material);
+        let base = self.tint(&format!("{of}: baseColorFactor"), Rgb::new(r, g, b));
+        let a = self.fraction(&format!("{of}: opacity"), a);
+        let metallic = pbr.metallic_factor.unwrap_or(1.0);
+        let metallic = self.fraction(&format!("{of}: metallicFactor"), metallic);
+        let roughness = pbr.roughness_factor.unwrap_or(1.0);
+        let roughness = self.fraction(&format!("{of}: roughnessFactor"), roughness);
+        let (metallic, roughness) = (Rgb::splat(metallic), Rgb::splat(roughness));
+        let (f0, ior) = self.dielectric(material, of);
         Ok(Core {
-            color: self.textured(color, Use::Color, Rgb::new(r, g, b))?,
+            color: self.textured(color, Use::Color, base)?,
             alpha: self.opacity(material, color, a)?,
             roughness: self.textured(surface, Use::Channel(1), roughness)?,
             metallic: self.textured(surface, Use::Channel(2), metallic)?,
             f0,
             ior,
+            metal: None,
         })
     }
 
@@ -220,29 +272,5 @@ impl Importer<'_> {
             Some("BLEND" | "MASK") => self.textured(color, Use::Channel(3), Rgb::splat(factor)),
             _ => Ok(Texture::Constant(Rgb::ONE)),
         }
-    }
-
-    /// The archived workflow: a diffuse colour under a dielectric of any reflectance.
-    fn specular_glossiness(&mut self, gloss: Extension) -> Result<Core, ImportError> {
-        let diffuse = gloss.texture("diffuseTexture");
-        let factor = gloss.color("diffuseFactor", Rgb::ONE);
-        let alpha = Rgb::splat(gloss.alpha("diffuseFactor"));
-        let specular = luminance(gloss.color("specularFactor", Rgb::ONE));
-        let mut glossiness = gloss.number("glossinessFactor", 1.0);
-        if let Some(info) = gloss.texture("specularGlossinessTexture") {
-            self.warn("textures of specular colour and glossiness are replaced by their means");
-            let mean = self
-                .textured(Some(&info), Use::Channel(3), Rgb::ONE)?
-                .mean();
-            glossiness *= luminance(mean);
-        }
-        Ok(Core {
-            color: self.textured(diffuse.as_ref(), Use::Color, factor)?,
-            alpha: self.textured(diffuse.as_ref(), Use::Channel(3), alpha)?,
-            roughness: Texture::Constant(Rgb::splat(1.0 - glossiness)),
-            metallic: Texture::Constant(Rgb::ZERO),
-            f0: specular,
-            ior: 1.5,
-        })
     }
 }

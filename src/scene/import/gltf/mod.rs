@@ -12,8 +12,10 @@
 //! that is not known is an error.
 
 mod accessor;
+mod bounds;
 mod container;
 mod extension;
+mod glossiness;
 mod layers;
 mod lights;
 mod materials;
@@ -22,6 +24,7 @@ mod nodes;
 mod place;
 mod primitive;
 mod schema;
+mod skin;
 #[cfg(test)]
 mod tests;
 mod textures;
@@ -31,7 +34,7 @@ use super::{ImportError, ImportOptions};
 use crate::bsdf::MaterialId;
 use crate::math::DAffine3;
 use accessor::Accessors;
-use container::Container;
+use container::{Container, DECODED_LIMIT};
 use materials::{Finish, Variant};
 use schema::Document;
 use std::collections::HashMap;
@@ -58,7 +61,7 @@ pub fn load(
     options: &ImportOptions,
     parts: &mut Parts,
 ) -> Result<(), ImportError> {
-    let container = Container::open(path)?;
+    let container = Container::open(path, DECODED_LIMIT)?;
     let mut importer = Importer {
         container: &container,
         options,
@@ -72,7 +75,9 @@ pub fn load(
     let accessors = Accessors {
         container: &container,
     };
-    let standing = nodes::walk(&container.document, accessors, &gltf.to_world, path)?;
+    let scene = importer.scene();
+    let document = &container.document;
+    let standing = nodes::walk(document, scene, accessors, &gltf.to_world, path)?;
     for &(camera, node) in &standing.cameras {
         importer.camera(camera, node, &standing.to_world[node])?;
     }
@@ -128,6 +133,25 @@ impl<'a> Importer<'a> {
             self.warn(format!("{name} is not supported and left out"));
         }
         Ok(())
+    }
+
+    /// The scene that is shown; `None` shows all nodes, where the file has no scenes.
+    fn scene(&mut self) -> Option<usize> {
+        let (count, asked) = (self.document().scenes.len(), self.document().scene);
+        let last = count.checked_sub(1)?;
+        let shown = asked.unwrap_or(0);
+        if shown > last {
+            self.warn(format!(
+                "scene {shown} is asked for, and the last is scene {last}: scene 0 is shown"
+            ));
+            return Some(0);
+        }
+        if count > 1 {
+            self.warn(format!(
+                "scene {shown} of {count} is shown, without the others"
+            ));
+        }
+        Some(shown)
     }
 
     fn tell_of_animations(&mut self) {

@@ -27,6 +27,8 @@ pub(super) struct Standing {
     pub lights: Vec<(usize, usize)>,
     /// To the world, for each node; identity for nodes that are not in the scene.
     pub to_world: Vec<DAffine3>,
+    /// Whether each node is in the scene.
+    pub stands: Vec<bool>,
 }
 
 /// The local transform of a node.
@@ -59,14 +61,15 @@ fn roots(document: &Document) -> Vec<usize> {
     (0..is_child.len()).filter(|&i| !is_child[i]).collect()
 }
 
-/// Walks the tree of the file's scene.
+/// Walks the tree of the scene `scene`, or of all nodes.
 pub(super) fn walk(
     document: &Document,
+    scene: Option<usize>,
     accessors: Accessors,
     root: &DAffine3,
     path: &Path,
 ) -> Result<Standing, ImportError> {
-    let scene = document.scenes.get(document.scene.unwrap_or(0));
+    let scene = scene.and_then(|s| document.scenes.get(s));
     let start = scene.map_or_else(|| roots(document), |s| s.nodes.clone());
     let count = document.nodes.len();
     let mut standing = Standing {
@@ -86,9 +89,10 @@ pub(super) fn walk(
         }
         let to_world = parent * local(node);
         standing.to_world[index] = to_world;
-        collect(&mut standing, node, index, accessors)?;
+        collect(&mut standing, node, index, accessors, path)?;
         waiting.extend(node.children.iter().rev().map(|&n| (n, to_world)));
     }
+    standing.stands = visited;
     Ok(standing)
 }
 
@@ -97,11 +101,17 @@ fn collect(
     node: &Node,
     index: usize,
     accessors: Accessors,
+    path: &Path,
 ) -> Result<(), ImportError> {
     let to_world = standing.to_world[index];
     if let Some(mesh) = node.mesh {
         let places = match node.extensions.get("EXT_mesh_gpu_instancing") {
-            Some(extension) => crowd(extension, accessors)?,
+            Some(extension) => crowd(extension, accessors).and_then(|places| {
+                places.ok_or_else(|| {
+                    let message = format!("the instances of node {index} differ in number");
+                    error(path, message)
+                })
+            })?,
             None => vec![DAffine3::IDENTITY],
         };
         standing
@@ -113,14 +123,20 @@ fn collect(
             }));
     }
     standing.cameras.extend(node.camera.map(|c| (c, index)));
-    let light = node.extensions.get("KHR_lights_punctual");
-    let light = light.and_then(|e| e.get("light")?.as_u64());
-    standing.lights.extend(light.map(|l| (l as usize, index)));
+    if let Some(light) = node.extensions.get("KHR_lights_punctual") {
+        let light = light.get("light").and_then(Value::as_u64);
+        let light = light.and_then(|l| usize::try_from(l).ok());
+        let light = light.ok_or_else(|| {
+            let message = format!("node {index} names a light by no number");
+            error(path, message)
+        })?;
+        standing.lights.push((light, index));
+    }
     Ok(())
 }
 
-/// Many places of one mesh (`EXT_mesh_gpu_instancing`).
-fn crowd(extension: &Value, accessors: Accessors) -> Result<Vec<DAffine3>, ImportError> {
+/// Many places of one mesh (`EXT_mesh_gpu_instancing`); `None` where its lists differ in length.
+fn crowd(extension: &Value, accessors: Accessors) -> Result<Option<Vec<DAffine3>>, ImportError> {
     let named = |name: &str| {
         let index = extension.get("attributes")?.get(name)?.as_u64()?;
         usize::try_from(index).ok()
@@ -140,6 +156,9 @@ fn crowd(extension: &Value, accessors: Accessors) -> Result<Vec<DAffine3>, Impor
         scales.as_ref().map_or(0, Vec::len),
     ];
     let count = lengths.into_iter().max().unwrap_or(0);
+    if lengths.iter().any(|n| *n != 0 && *n != count) {
+        return Ok(None);
+    }
     let vector = |list: &Option<Vec<[f32; 3]>>, i: usize| {
         let value = list.as_ref()?.get(i)?;
         Some(DVec3::from_array(value.map(f64::from)))
@@ -153,5 +172,5 @@ fn crowd(extension: &Value, accessors: Accessors) -> Result<Vec<DAffine3>, Impor
         scale: vector(&scales, i).map(|v| v.to_array()),
         ..Node::default()
     };
-    Ok((0..count).map(|i| local(&node(i))).collect())
+    Ok(Some((0..count).map(|i| local(&node(i))).collect()))
 }

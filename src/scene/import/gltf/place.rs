@@ -95,26 +95,44 @@ impl<'a> Importer<'a> {
 
     /// The matrices of a node's skin, mesh space to world space.
     fn joints(
-        &self,
+        &mut self,
         node: &Node,
         standing: &Standing,
         accessors: Accessors,
     ) -> Result<Option<Vec<DAffine3>>, ImportError> {
-        let Some(skin) = node.skin.and_then(|s| self.document().skins.get(s)) else {
+        let Some(index) = node.skin else {
             return Ok(None);
         };
+        let fail = |message: String| error(&self.container.path, message);
+        let skin = self.document().skins.get(index);
+        let skin = skin.ok_or_else(|| fail(format!("there is no skin {index}")))?;
         let inverse = match skin.inverse_bind_matrices {
             Some(accessor) => accessors.floats::<16>(accessor)?,
-            None => Vec::new(),
+            None => vec![DMat4::IDENTITY.as_mat4().to_cols_array(); skin.joints.len()],
         };
-        let matrix = |(i, &joint): (usize, &usize)| {
-            let to_world = standing.to_world.get(joint).copied();
-            let bind = inverse.get(i).map_or(DAffine3::IDENTITY, |m| {
-                DAffine3::from_mat4(DMat4::from_cols_array(&m.map(f64::from)))
-            });
-            to_world.unwrap_or(DAffine3::IDENTITY) * bind
-        };
-        Ok(Some(skin.joints.iter().enumerate().map(matrix).collect()))
+        if inverse.len() < skin.joints.len() {
+            let (matrices, joints) = (inverse.len(), skin.joints.len());
+            return Err(fail(format!(
+                "skin {index} has {matrices} matrices for {joints} joints"
+            )));
+        }
+        let mut matrices = Vec::with_capacity(skin.joints.len());
+        for (&joint, bind) in skin.joints.iter().zip(&inverse) {
+            let to_world = standing.to_world.get(joint);
+            let to_world = to_world.ok_or_else(|| {
+                fail(format!(
+                    "skin {index} has node {joint} as a joint, which is not there"
+                ))
+            })?;
+            let bind = bind.map(f64::from);
+            matrices.push(*to_world * DAffine3::from_mat4(DMat4::from_cols_array(&bind)));
+        }
+        if skin.joints.iter().any(|&j| !standing.stands[j]) {
+            self.warn(format!(
+                "skin {index} has joints that are not in the scene: they stand at the origin"
+            ));
+        }
+        Ok(Some(matrices))
     }
 
     /// The primitives to load; instances are noted on the way.
@@ -190,6 +208,8 @@ impl<'a> Importer<'a> {
                     weights: node.weights.as_deref().unwrap_or(&mesh.weights),
                     joints: places.joints[placement.node].as_deref(),
                     uv_set: material.map_or(0, materials::coordinates),
+                    textured: self.only_material.is_none()
+                        && material.is_some_and(|m| !materials::all_textures(m).is_empty()),
                     alpha: matches!(alpha, Some("BLEND" | "MASK")),
                 },
                 name: name.clone(),

@@ -3,7 +3,8 @@
 use super::accessor::Accessors;
 use super::error;
 use super::schema::Primitive;
-use crate::math::{DAffine3, DVec3, Rgb, Vec2, Vec3};
+use super::skin;
+use crate::math::{DAffine3, Rgb, Vec2, Vec3};
 use crate::scene::import::ImportError;
 use crate::scene::import::mesh::{self, Buffers, Loaded, MeshOptions};
 use crate::texture::MeshAttribute;
@@ -25,6 +26,8 @@ pub(super) struct Job<'a> {
     pub joints: Option<&'a [DAffine3]>,
     /// Which texture coordinates to take.
     pub uv_set: usize,
+    /// Whether the material has textures.
+    pub textured: bool,
     /// Whether opacity is read.
     pub alpha: bool,
 }
@@ -63,12 +66,23 @@ pub(super) fn load(accessors: Accessors, job: &Job) -> Result<Option<Loaded>, Im
         lenient: true,
         ..MeshOptions::default()
     };
+    let mut warnings = missing_uvs(job, &buffers);
     if let Some(joints) = job.joints {
-        bend(accessors, primitive, joints, &mut buffers)?;
+        warnings.extend(skin::bend(accessors, primitive, joints, &mut buffers)?);
         options.to_world = DAffine3::IDENTITY;
     }
     check_lengths(&buffers).map_err(|message| error(path, message))?;
-    mesh::from_buffers(buffers, &options, path).map(Some)
+    let mut loaded = mesh::from_buffers(buffers, &options, path)?;
+    loaded.warnings.extend(warnings);
+    Ok(Some(loaded))
+}
+
+/// What is said where a material has textures and the primitive does not say how they lie.
+fn missing_uvs(job: &Job, buffers: &Buffers) -> Vec<String> {
+    let missing = job.textured && buffers.uvs.is_none();
+    let set = job.uv_set;
+    let told = format!("its textures ask for TEXCOORD_{set}, which it lacks: (0, 0) everywhere");
+    missing.then_some(told).into_iter().collect()
 }
 
 fn check_lengths(buffers: &Buffers) -> Result<(), String> {
@@ -172,39 +186,6 @@ fn colors(accessors: Accessors, job: &Job) -> Result<Vec<MeshAttribute>, ImportE
         list.push(attribute(ALPHA, alpha));
     }
     Ok(list)
-}
-
-/// Moves vertices with the joints of a skin (glTF 2.0, 3.7.3.3).
-fn bend(
-    accessors: Accessors,
-    primitive: &Primitive,
-    joints: &[DAffine3],
-    buffers: &mut Buffers,
-) -> Result<(), ImportError> {
-    let named = |name| primitive.attributes.get(name).copied();
-    let (Some(which), Some(weights)) = (named("JOINTS_0"), named("WEIGHTS_0")) else {
-        return Ok(());
-    };
-    let which = accessors.floats::<4>(which)?;
-    let weights = accessors.floats::<4>(weights)?;
-    for (i, (which, weights)) in which.iter().zip(&weights).enumerate() {
-        let mut blended = DAffine3::ZERO;
-        for (&joint, &weight) in which.iter().zip(weights) {
-            let matrix = joints.get(joint as usize).copied();
-            let (matrix, weight) = (matrix.unwrap_or(DAffine3::IDENTITY), f64::from(weight));
-            blended.matrix3 += matrix.matrix3 * weight;
-            blended.translation += matrix.translation * weight;
-        }
-        if let Some(p) = buffers.positions.get_mut(i) {
-            *p = blended.transform_point3(p.as_dvec3()).as_vec3();
-        }
-        let normal = buffers.normals.as_mut().and_then(|n| n.get_mut(i));
-        if let Some(n) = normal {
-            let turned: DVec3 = blended.matrix3.inverse().transpose() * n.as_dvec3();
-            *n = turned.normalize_or_zero().as_vec3();
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]

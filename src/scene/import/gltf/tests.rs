@@ -131,6 +131,10 @@ impl File {
 }
 
 fn load_text(text: &str, to_world: &DAffine3, asked: Arc<Asked>) -> Result<Parts, ImportError> {
+    load_bytes(text.as_bytes(), to_world, asked)
+}
+
+fn load_bytes(text: &[u8], to_world: &DAffine3, asked: Arc<Asked>) -> Result<Parts, ImportError> {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("a.gltf");
     std::fs::write(&path, text).unwrap();

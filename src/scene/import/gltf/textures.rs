@@ -6,13 +6,14 @@
 use super::schema::TextureInfo;
 use super::{Importer, error};
 use crate::image::file::ImageFile;
+use crate::image::{self, Compression, Image, WriteOptions};
 use crate::math::Rgb;
-use crate::scene::import::ImportError;
+use crate::scene::import::{ImportError, named};
 use crate::texture::{BitmapSettings, Filter, Texture, UvTransform, Wrap};
 use glam::{Affine2, Mat2, Vec2};
 use serde_json::Value;
 use std::collections::HashMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tempfile::TempDir;
 
@@ -125,12 +126,26 @@ impl Importer<'_> {
             Use::Channel(c) if c < 3 && channels < 3 => None,
             Use::Channel(c) => CHANNELS.get(c).map(|c| (*c).to_owned()),
         };
+        let settings = BitmapSettings {
+            raw: how != Use::Color,
+            channel,
+            ..self.settings(info, path)
+        };
+        let opened = self.options.textures.open(settings);
+        opened.map(Some).map_err(|e| {
+            let message = format!("{} cannot be used: {}", self.image_name(image), e.reason);
+            error(self.path(), message)
+        })
+    }
+
+    /// An image's numbers as they are, laid as the texture `info` says.
+    fn settings(&self, info: &TextureInfo, path: PathBuf) -> BitmapSettings {
         let textures = &self.document().textures;
         let sampler = textures.get(info.index).and_then(|t| t.sampler);
         let sampler = sampler.and_then(|s| self.document().samplers.get(s));
-        let settings = BitmapSettings {
+        BitmapSettings {
             path,
-            raw: how != Use::Color,
+            raw: true,
             gamma: None,
             filter: match sampler.and_then(|s| s.mag_filter) {
                 Some(9728) => Filter::Nearest,
@@ -139,13 +154,43 @@ impl Importer<'_> {
             wrap_u: wrap(sampler.and_then(|s| s.wrap_s)),
             wrap_v: wrap(sampler.and_then(|s| s.wrap_t)),
             to_uv: placement(info),
-            channel,
+            channel: None,
+        }
+    }
+
+    /// The file behind a texture.
+    pub(super) fn texture_file(&mut self, info: &TextureInfo) -> Result<PathBuf, ImportError> {
+        let image = self.image_of(info.index)?;
+        Ok(self.image_file(image)?.0)
+    }
+
+    /// A texture laid as `info` says, of texels that were made from its image and a factor; `kind` tells
+    /// it from others.
+    pub(super) fn made(
+        &mut self,
+        info: &TextureInfo,
+        factor: Rgb,
+        (kind, size, texels): (&str, (u32, u32), &[Rgb]),
+    ) -> Result<Texture, ImportError> {
+        let image = self.image_of(info.index)?;
+        let [r, g, b] = factor.to_array().map(f32::to_bits);
+        let name = format!("image-{image}-{kind}-{r:x}-{g:x}-{b:x}.exr");
+        let fail = |why: String| {
+            let message = format!("image {image} cannot be unpacked: {why}");
+            error(&self.container.path, message)
         };
-        let opened = self.options.textures.open(settings);
-        opened.map(Some).map_err(|e| {
-            let message = format!("{} cannot be used: {}", self.image_name(image), e.reason);
-            error(self.path(), message)
-        })
+        let folder = self.images.folder().map_err(|e| fail(e.to_string()))?;
+        let path = folder.join(name);
+        if !path.exists() {
+            let picture = Image::from_rgb(size.0, size.1, texels);
+            let options = WriteOptions {
+                compression: Compression::None,
+                ..WriteOptions::default()
+            };
+            image::write(&path, &picture, &options).map_err(|e| fail(e.reason))?;
+        }
+        let opened = self.options.textures.open(self.settings(info, path));
+        opened.map_err(|e| fail(e.reason))
     }
 
     /// The image behind a texture.
@@ -183,8 +228,12 @@ impl Importer<'_> {
         }
         let name = self.image_name(index);
         let path = self.locate(index, &name)?;
-        let file = ImageFile::open(&path)
-            .map_err(|e| error(self.path(), format!("{name} cannot be used: {}", e.reason)))?;
+        let folder = self.path().parent().unwrap_or(Path::new(""));
+        let file = ImageFile::open(&path).map_err(|e| {
+            let hint = named::hint(&path, folder);
+            let message = format!("{name} cannot be used: {}{hint}", e.reason);
+            error(self.path(), message)
+        })?;
         let channels = file.header().channels.len();
         let opened = Opened {
             path: path.clone(),
@@ -231,14 +280,18 @@ impl Images {
             (_, Some("image/jpeg")) => "jpg",
             _ => "png",
         };
+        let path = self.folder()?.join(format!("image-{index}.{suffix}"));
+        std::fs::write(&path, bytes)?;
+        Ok(path)
+    }
+
+    /// The directory for images that are no files, or not yet.
+    fn folder(&mut self) -> std::io::Result<PathBuf> {
         let folder = match self.folder.take() {
             Some(folder) => folder,
             None => tempfile::Builder::new().prefix("twintree-").tempdir()?,
         };
-        let path = self.folder.insert(folder).path();
-        let path = path.join(format!("image-{index}.{suffix}"));
-        std::fs::write(&path, bytes)?;
-        Ok(path)
+        Ok(self.folder.insert(folder).path().to_owned())
     }
 }
 

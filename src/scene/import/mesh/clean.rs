@@ -1,6 +1,6 @@
 //! From what a file holds to what the renderer may rely on.
 
-use super::{Loaded, MeshOptions, Raw, crease, normals};
+use super::{Loaded, MeshOptions, Raw, crease, normals, repeated};
 use crate::accel::TriangleMesh;
 use crate::math::{Vec2, Vec3};
 use crate::scene::description::Mesh;
@@ -34,10 +34,11 @@ impl Unusable {
 
 /// Checks and repairs `raw`, gives it normals where it needs them, and packs it.
 pub(super) fn finish(mut raw: Raw, options: &MeshOptions) -> Result<Loaded, Unusable> {
-    let mut warnings = Vec::new();
+    let mut warnings = std::mem::take(&mut raw.warnings);
     check_size(&raw, options)?;
     check_positions(&mut raw, options, &mut warnings)?;
     drop_degenerate(&mut raw, &mut warnings);
+    drop_repeated(&mut raw, &mut warnings);
     repair_values(&mut raw, &mut warnings);
     if raw.triangles.is_empty() {
         let message = "the mesh has no triangle with an area";
@@ -127,6 +128,19 @@ fn drop_degenerate(raw: &mut Raw, warnings: &mut Vec<String>) {
     warnings.push(format!("{dropped} {of} {first} (counted from 0)"));
 }
 
+/// Drops triangles that stand where another one does, where they are many.
+fn drop_repeated(raw: &mut Raw, warnings: &mut Vec<String>) {
+    let Some(repeats) = repeated::find(raw) else {
+        return;
+    };
+    let dropped = repeats.iter().filter(|r| **r).count();
+    let first = repeats.iter().position(|r| *r).unwrap_or(0);
+    keep_triangles(raw, |i, _| !repeats[i]);
+    warnings.push(format!(
+        "{dropped} triangles dropped that stand exactly where another one does, the first is triangle {first} (counted from 0)"
+    ));
+}
+
 /// Keeps the triangles that `keep` says, with their attributes.
 fn keep_triangles(raw: &mut Raw, keep: impl Fn(usize, &[u32; 3]) -> bool) {
     let kept: Vec<usize> = (0..raw.triangles.len())
@@ -208,5 +222,6 @@ fn pack(raw: Raw, warnings: Vec<String>) -> Result<Loaded, Unusable> {
         mesh,
         warnings,
         face_materials: raw.face_materials,
+        images: raw.images,
     })
 }

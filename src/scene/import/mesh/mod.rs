@@ -19,6 +19,7 @@ mod normals;
 mod obj;
 mod ply;
 mod polygon;
+mod repeated;
 mod serialized;
 mod split;
 mod stl;
@@ -26,7 +27,7 @@ mod stl;
 mod tests;
 mod text;
 
-use super::ImportError;
+use super::{ImportError, encoding};
 use crate::image::mapped;
 use crate::math::{DAffine3, DVec3, Vec2, Vec3};
 use crate::scene::description::Mesh;
@@ -122,6 +123,8 @@ pub struct Loaded {
     pub warnings: Vec<String>,
     /// Materials of an OBJ file, if they were asked for.
     pub face_materials: FaceMaterials,
+    /// Images that a PLY file names in comments (`comment TextureFile NAME`).
+    pub images: Vec<String>,
 }
 
 /// Reads a mesh. Uses rayon's threads; the result does not depend on their number.
@@ -177,8 +180,15 @@ fn raw(
     options: &MeshOptions,
     path: &Path,
 ) -> Result<Raw, ImportError> {
+    let is_text = matches!(kind, MeshKind::Obj | MeshKind::Ply);
+    if let Some(wrong) = encoding::wide(data).filter(|_| is_text) {
+        return Err(Fault::new(0, wrong).in_text(data, path));
+    }
     match kind {
-        MeshKind::Obj => obj::read(data, options).map_err(|e| e.in_text(data, path)),
+        MeshKind::Obj => {
+            let data = &encoding::lines(data);
+            obj::read(data, options).map_err(|e| e.in_text(data, path))
+        }
         MeshKind::Ply => ply::read(data, options, path),
         MeshKind::Serialized => serialized::read(data, options).map_err(|e| e.in_binary(path)),
         MeshKind::Stl => stl::read(data, options, path),
@@ -250,6 +260,10 @@ struct Raw {
     /// The file asks for flat shading.
     flat: bool,
     face_materials: FaceMaterials,
+    /// Images that the file names.
+    images: Vec<String>,
+    /// What the reader met and left out.
+    warnings: Vec<String>,
 }
 
 /// Something wrong at a byte of a file.

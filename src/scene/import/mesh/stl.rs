@@ -6,7 +6,7 @@
 
 use super::{Fault, MeshOptions, Raw, place, text::Cursor};
 use crate::math::Vec3;
-use crate::scene::import::ImportError;
+use crate::scene::import::{ImportError, encoding};
 use rustc_hash::FxHashMap;
 use std::path::Path;
 
@@ -21,6 +21,7 @@ pub(super) fn read(data: &[u8], options: &MeshOptions, path: &Path) -> Result<Ra
     if is_binary(data) || !starts_as_text(data) {
         return binary(data, options).map_err(|e| e.in_binary(path));
     }
+    let data = &encoding::lines(data);
     ascii(data, options).map_err(|e| e.in_text(data, path))
 }
 
@@ -29,12 +30,22 @@ fn promised(data: &[u8]) -> Option<usize> {
     (count as usize).checked_mul(RECORD)
 }
 
+/// The triangles that the header promises are there. Bytes behind them count only if the number of
+/// triangles, read as text, would be none: four letters stand for a hundred million triangles and more.
 fn is_binary(data: &[u8]) -> bool {
-    promised(data).is_some_and(|size| data.len() - (HEADER + 4) == size)
+    let text = |b: &u8| b.is_ascii_graphic() || b.is_ascii_whitespace() || *b >= 0x80;
+    let count = data.get(HEADER..HEADER + 4).unwrap_or_default();
+    promised(data).is_some_and(|size| {
+        let room = data.len() - (HEADER + 4);
+        room == size || room > size && !count.iter().all(text)
+    })
 }
 
 fn starts_as_text(data: &[u8]) -> bool {
-    data.trim_ascii_start().starts_with(b"solid")
+    let text = &data[encoding::start(data)..];
+    let text = text.trim_ascii_start();
+    text.get(..5)
+        .is_some_and(|w| w.eq_ignore_ascii_case(b"solid"))
 }
 
 /// Joins corners into vertices.
@@ -67,8 +78,10 @@ fn binary(data: &[u8], options: &MeshOptions) -> Result<Raw, Fault> {
     let early = || Fault::new(data.len(), "the file ends too early for a binary STL");
     let size = promised(data).ok_or_else(early)?;
     let records = data.get(HEADER + 4..).and_then(|rest| rest.get(..size));
+    let records = records.ok_or_else(early)?;
     let mut corners = Corners::default();
-    for record in records.ok_or_else(early)?.chunks_exact(RECORD) {
+    corners.raw.warnings = odd_bytes(data, records);
+    for record in records.chunks_exact(RECORD) {
         let number = |i: usize| {
             let word = record[12 + 4 * i..].first_chunk().copied();
             f32::from_le_bytes(word.unwrap_or_default())
@@ -80,35 +93,70 @@ fn binary(data: &[u8], options: &MeshOptions) -> Result<Raw, Fault> {
     Ok(corners.finish())
 }
 
+/// What a binary file holds beside its triangles.
+fn odd_bytes(data: &[u8], records: &[u8]) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let behind = data.len() - (HEADER + 4) - records.len();
+    if behind > 0 {
+        warnings.push(format!(
+            "{behind} bytes behind the last triangle are left out"
+        ));
+    }
+    // Both conventions for colours (VisCAM, Magics) keep them in the two bytes behind the corners.
+    let colored = records.chunks_exact(RECORD).filter(|r| r[48..] != [0; 2]);
+    let colored = colored.count();
+    if colored > 0 {
+        warnings.push(format!(
+            "{colored} triangles have attribute bytes (colours in some dialects): left out"
+        ));
+    }
+    warnings
+}
+
 fn ascii(data: &[u8], options: &MeshOptions) -> Result<Raw, Fault> {
     let mut corners = Corners::default();
     let mut facet: Vec<u32> = Vec::new();
-    let mut cursor = Cursor::new(data, 0);
+    let mut solids = 0i64;
+    let mut cursor = Cursor::new(data, encoding::start(data));
     while !cursor.at_end() {
         cursor.skip_blanks();
         let start = cursor.offset();
-        match cursor.word() {
-            b"vertex" => {
-                let mut p = [0.0; 3];
-                for value in &mut p {
-                    cursor.skip_blanks();
-                    *value = cursor.number()? as f32;
-                }
-                facet.push(corners.vertex(p, options));
-            }
-            b"endfacet" => {
-                let Some(first) = facet.first_chunk::<3>().filter(|_| facet.len() == 3) else {
-                    let message = format!("a facet has three vertices, this one {}", facet.len());
-                    return Err(Fault::new(start, message));
-                };
-                corners.raw.triangles.push(*first);
-                facet.clear();
-            }
-            _ => {}
+        let word = cursor.word();
+        let is = |name: &[u8]| word.eq_ignore_ascii_case(name);
+        if is(b"vertex") {
+            facet.push(corners.vertex(point(&mut cursor)?, options));
+        } else if is(b"endfacet") {
+            let Some(first) = facet.first_chunk::<3>().filter(|_| facet.len() == 3) else {
+                let message = format!("a facet has three vertices, this one {}", facet.len());
+                return Err(Fault::new(start, message));
+            };
+            corners.raw.triangles.push(*first);
+            facet.clear();
+        } else if is(b"solid") {
+            solids += 1;
+        } else if is(b"endsolid") {
+            solids -= 1;
         }
         cursor.next_line();
     }
+    if !facet.is_empty() {
+        return Err(Fault::new(data.len(), "the file ends inside of a facet"));
+    }
+    if solids > 0 {
+        let warning = "the file has no `endsolid`: it may have been cut short";
+        corners.raw.warnings.push(warning.into());
+    }
     Ok(corners.finish())
+}
+
+/// Three coordinates.
+fn point(cursor: &mut Cursor) -> Result<[f32; 3], Fault> {
+    let mut p = [0.0; 3];
+    for value in &mut p {
+        cursor.skip_blanks();
+        *value = cursor.number()? as f32;
+    }
+    Ok(p)
 }
 
 #[cfg(test)]
@@ -160,6 +208,55 @@ mod tests {
             assert_eq!(mesh.triangles.triangles(), [[0, 1, 2], [0, 2, 3]]);
             assert!(mesh.normals.is_none());
         }
+    }
+
+    fn square(file: &[u8]) -> Vec<String> {
+        let options = MeshOptions::default();
+        let loaded = load(file, MeshKind::Stl, &options, Path::new("a.stl")).unwrap();
+        assert_eq!(loaded.mesh.triangles.triangles(), [[0, 1, 2], [0, 2, 3]]);
+        loaded.warnings
+    }
+
+    #[test]
+    fn text_may_begin_with_a_mark_have_capitals_and_end_its_lines_as_it_likes() {
+        let text = ascii_square();
+        for odd in [
+            format!("\u{feff}{text}"),
+            format!("\u{feff}\r\n{}", text.replace('\n', "\r\n")),
+            text.to_uppercase(),
+            text.replace('\n', "\r"),
+        ] {
+            assert_eq!(square(odd.as_bytes()), Vec::<String>::new(), "{odd}");
+        }
+    }
+
+    #[test]
+    fn bytes_behind_the_triangles_change_nothing_but_are_told() {
+        for header in [b"solid, and binary all the same".as_slice(), b"scan"] {
+            let mut file = binary_square(header);
+            file.extend(b"tail bytes");
+            let told = square(&file);
+            assert!(told[0].starts_with("10 bytes behind"), "{told:?}");
+        }
+        let mut colored = binary_square(b"COLOR=");
+        colored[HEADER + 4 + 48] = 31;
+        assert!(square(&colored)[0].starts_with("1 triangles have attribute"));
+    }
+
+    #[test]
+    fn text_that_was_cut_short_is_told_or_refused() {
+        let text = ascii_square();
+        let whole = text.replace("endsolid square\n", "");
+        assert!(square(whole.as_bytes())[0].contains("endsolid"));
+        let inside = &text[..text.rfind("endloop").unwrap()];
+        let options = MeshOptions::default();
+        let error = load(
+            inside.as_bytes(),
+            MeshKind::Stl,
+            &options,
+            Path::new("a.stl"),
+        );
+        assert!(error.unwrap_err().to_string().contains("inside of a facet"));
     }
 
     #[test]

@@ -24,6 +24,11 @@ pub(super) fn location(data: &[u8], offset: usize, path: &Path) -> Location {
     }
 }
 
+/// The line of a byte, from 1.
+pub(super) fn line_of(data: &[u8], offset: usize) -> usize {
+    memchr::memchr_iter(b'\n', &data[..offset.min(data.len())]).count() + 1
+}
+
 const POWERS: [f64; 23] = [
     1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
     1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
@@ -65,7 +70,7 @@ impl<'a> Cursor<'a> {
     pub fn skip_blanks(&mut self) {
         loop {
             match self.peek() {
-                Some(b' ' | b'\t' | b'\r' | 0x0b | 0x0c) => self.pos += 1,
+                Some(b) if is_blank(b) => self.pos += 1,
                 Some(b'\\') => match self.continuation() {
                     Some(next) => self.pos = next,
                     None => return,
@@ -82,11 +87,21 @@ impl<'a> Cursor<'a> {
         }
     }
 
+    /// The byte behind the line end that the backslash under the cursor continues. Blanks between the
+    /// two are forgiven.
     fn continuation(&self) -> Option<usize> {
-        match self.bytes.get(self.pos + 1..)? {
-            [b'\n', ..] => Some(self.pos + 2),
-            [b'\r', b'\n', ..] => Some(self.pos + 3),
-            _ => None,
+        let rest = self.bytes.get(self.pos + 1..)?;
+        let blanks = rest.iter().take_while(|b| is_blank(**b)).count();
+        (rest.get(blanks) == Some(&b'\n')).then_some(self.pos + blanks + 2)
+    }
+
+    /// Whether the word before the cursor ends here: at a blank, a line end or a continued line.
+    #[inline]
+    pub fn at_word_end(&self) -> bool {
+        match self.peek() {
+            None => true,
+            Some(b'\\') => self.continuation().is_some(),
+            Some(b) => b.is_ascii_whitespace(),
         }
     }
 
@@ -120,13 +135,44 @@ impl<'a> Cursor<'a> {
     /// The bytes up to the next blank or line end; empty at the end of a line.
     #[inline]
     pub fn word(&mut self) -> &'a [u8] {
+        let start = self.pos;
+        while self
+            .peek()
+            .is_some_and(|b| !b.is_ascii_whitespace() && b != b'\\')
+        {
+            self.pos += 1;
+        }
+        // Backslashes inside of words are rare: names of files from Windows.
+        while !self.at_word_end() {
+            self.pos += 1;
+        }
+        self.bytes.get(start..self.pos).unwrap_or_default()
+    }
+
+    /// What is left of the line as it stands; no backslash continues it.
+    pub fn line(&self) -> &'a [u8] {
         let rest = self.bytes.get(self.pos..).unwrap_or_default();
-        let len = rest
-            .iter()
-            .position(|b| b.is_ascii_whitespace())
-            .unwrap_or(rest.len());
-        self.pos += len;
-        &rest[..len]
+        let end = rest.iter().position(|b| matches!(b, b'\n' | b'\r'));
+        &rest[..end.unwrap_or(rest.len())]
+    }
+
+    /// What is left of the line without the blanks around it; continued lines are joined by a blank.
+    /// A comment begins at a `#` behind a blank.
+    pub fn rest_of_line(&mut self) -> Vec<u8> {
+        self.skip_blanks();
+        let (mut rest, mut kept) = (Vec::new(), 0);
+        while !self.at_line_end() {
+            rest.extend(self.word());
+            kept = rest.len();
+            let blanks = self.pos;
+            self.skip_blanks();
+            match self.bytes.get(blanks..self.pos) {
+                Some(between) if !between.contains(&b'\n') => rest.extend(between),
+                _ => rest.push(b' '),
+            }
+        }
+        rest.truncate(kept);
+        rest
     }
 
     /// The word under the cursor, for messages.
@@ -230,6 +276,13 @@ impl<'a> Cursor<'a> {
 }
 
 /// Whether a backslash at the end of `line` continues it.
-pub(super) fn is_continued(line: &[u8]) -> bool {
-    line.strip_suffix(b"\r").unwrap_or(line).ends_with(b"\\")
+fn is_continued(line: &[u8]) -> bool {
+    let last = line.iter().rfind(|b| !is_blank(**b));
+    last == Some(&b'\\')
+}
+
+/// A blank inside of a line.
+#[inline]
+fn is_blank(byte: u8) -> bool {
+    matches!(byte, b' ' | b'\t' | b'\r' | 0x0b | 0x0c)
 }

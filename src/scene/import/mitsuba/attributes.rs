@@ -116,7 +116,7 @@ impl Reader {
             return value::spectrum(self.required(element, attributes, "value")?).map_err(error);
         };
         let path = self.document.resolve(element.at, name);
-        let text = std::fs::read_to_string(&path)
+        let text = crate::image::regular::read_to_string(&path)
             .map_err(|e| error(format!("cannot read the spectrum {}: {e}", path.display())))?;
         value::spectrum_file(&text).map_err(|m| error(format!("{}: {m}", path.display())))
     }

@@ -101,7 +101,7 @@ impl<'a> Importer<'a> {
         let scale = p.float("scale", 1.0)? as f32;
         let to_world = single(p.to_world()?);
         let gamma = p.number("gamma")?.filter(|g| *g > 0.0);
-        if path.is_file() {
+        if path.exists() {
             return Ok(Emitter::EnvironmentMap {
                 path,
                 scale,

@@ -52,7 +52,7 @@ pub(super) fn load_all(
             unique.len() - 1
         });
     }
-    let missing: Vec<_> = unique.iter().filter(|r| !r.path.is_file()).collect();
+    let missing: Vec<_> = unique.iter().filter(|r| !r.path.exists()).collect();
     if !missing.is_empty() && !importer.options.lenient {
         return Err(missing_error(importer, &missing));
     }

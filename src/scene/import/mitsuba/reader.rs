@@ -66,7 +66,8 @@ impl Reader {
             message,
             help: None,
         };
-        let bytes = std::fs::read(path).map_err(|e| plain(format!("cannot read it: {e}")))?;
+        let bytes =
+            crate::image::regular::read(path).map_err(|e| plain(format!("cannot read it: {e}")))?;
         let text = String::from_utf8(bytes)
             .map_err(|_| plain("is not UTF-8 text; save the scene as UTF-8".into()))?;
         let index = self.document.files.len();
@@ -247,7 +248,7 @@ impl Reader {
             let message = format!("includes are nested more than {MAX_INCLUDES} deep");
             return Err(self.document.error(element.at, message));
         }
-        if !path.is_file() {
+        if !path.exists() {
             let message = format!("there is no file {} to include", path.display());
             return Err(self.document.error(element.at, message));
         }

@@ -145,7 +145,7 @@ impl<'a> Importer<'a> {
             channel: params.text("channel")?.map(str::to_owned),
         };
         let path = settings.path.clone();
-        let opened = if path.is_file() {
+        let opened = if path.exists() {
             let opened = self.options.textures.open(settings);
             opened.map_err(|e| format!("cannot read the texture {}: {}", e.path, e.reason))
         } else {

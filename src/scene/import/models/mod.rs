@@ -4,8 +4,8 @@
 //! A mesh file that is named more than once, with the same words but for its placement, is loaded once
 //! and instanced.
 
+mod colors;
 mod mtl;
-mod mtl_file;
 pub mod palette;
 mod source;
 #[cfg(test)]
@@ -175,26 +175,58 @@ impl Adder<'_> {
             });
         }
         let paint = unique.paint(self.models);
-        let mut library = match paint {
+        let image = match paint {
+            Some(_) => None,
+            None => self.image(path, &loaded)?,
+        };
+        let library = match paint {
             Some(_) => Library::default(),
             None => Library::read(path, &loaded.face_materials, self.parts),
         };
         let mut pieces = Vec::new();
         for (index, mut mesh) in by_material(loaded) {
-            linearise(&mut mesh);
-            let colored = has_colors(&mesh);
-            let material = match &paint {
-                Some(paint) => paint.add(&mut self.parts.materials, colored),
-                None => library.material(index, colored, self.options, self.parts)?,
+            if let Some(warning) = colors::prepare(&mut mesh) {
+                self.parts.warn(format!("{}: {warning}", path.display()));
+            }
+            let colored = colors::has(&mesh);
+            let parts = &mut *self.parts;
+            let (material, radiance) = match (&paint, &image) {
+                (Some(paint), _) => (paint.add(&mut parts.materials, colored), None),
+                (None, Some(image)) => (colors::painted(image.clone(), colored, parts), None),
+                (None, None) => library.material(index, colored, self.options, parts)?,
             };
             pieces.push(Piece {
                 mesh,
                 material,
-                radiance: library.radiance(index, self.options, self.parts)?,
+                radiance,
             });
         }
         self.place(unique, pieces);
         Ok(())
+    }
+
+    /// The image that a PLY file names for its surface.
+    fn image(&mut self, path: &Path, loaded: &Loaded) -> Result<Option<Texture>, ImportError> {
+        let Some(name) = loaded.images.first() else {
+            return Ok(None);
+        };
+        let mut warn = |message: String| {
+            self.parts.warn(format!("{}: {message}", path.display()));
+        };
+        if loaded.mesh.uvs.is_none() {
+            warn(format!(
+                "the texture {name} is left out: the vertices have no texture coordinates"
+            ));
+            return Ok(None);
+        }
+        let more = loaded.images.len() - 1;
+        if more > 0 {
+            warn(format!(
+                "of {} textures the first alone is laid on, {name}",
+                more + 1
+            ));
+        }
+        colors::open(name, path, self.options, self.parts)
     }
 
     /// Puts the pieces where they are to stand. What glows is copied, as light is not instanced.
@@ -277,28 +309,6 @@ fn by_material(loaded: Loaded) -> Vec<(u32, Mesh)> {
     mesh::split(mesh, |triangle| {
         numbers.get(triangle).map_or(0, |n| n.x as u32)
     })
-}
-
-/// Whether a mesh has colours at its vertices or faces.
-fn has_colors(mesh: &Mesh) -> bool {
-    let list = &mesh.attributes.list;
-    list.iter().any(|a| a.name == palette::VERTEX_COLOR)
-}
-
-/// Colours of scans and sculptures are made for the screen: the sRGB curve is undone. (Scenes name
-/// attributes and take them as they are.) Colours of faces count as those of vertices.
-fn linearise(mesh: &mut Mesh) {
-    for attribute in &mut mesh.attributes.list {
-        if attribute.name == "face_color" {
-            attribute.name = palette::VERTEX_COLOR.into();
-        }
-        if attribute.name == palette::VERTEX_COLOR {
-            attribute
-                .values
-                .par_iter_mut()
-                .for_each(|v| *v = linear(*v));
-        }
-    }
 }
 
 /// The linear value of an sRGB colour (IEC 61966-2-1).

@@ -201,3 +201,96 @@ fn vertex_colours_multiply_the_base() {
     let attribute = &mesh(&parts, 0).attributes.list[0];
     assert_eq!(attribute.values, [Rgb::new(0.5, 0.25, 1.0); 3]);
 }
+
+/// The dielectric and the metal of a material, and the metal's share.
+fn halves(parts: &Parts) -> (&MetallicRoughness, &MetallicRoughness, Texture) {
+    match core(parts, parts.shapes[0].material) {
+        Material::Blend {
+            weight,
+            first,
+            second,
+        } => {
+            let [first, second] = [first, second].map(|id| parts.materials.get(*id));
+            match (first, second) {
+                (Material::MetallicRoughness(a), Material::MetallicRoughness(b)) => {
+                    (a, b, weight.clone())
+                }
+                other => panic!("{other:?}"),
+            }
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn facets_of_a_colour_keep_it() {
+    let made = |diffuse: [f32; 4], specular: [f32; 3]| {
+        made_of(
+            json!({"extensions": {"KHR_materials_pbrSpecularGlossiness": {
+                "diffuseFactor": diffuse, "specularFactor": specular, "glossinessFactor": 0.75,
+            }}}),
+        )
+    };
+    let gold = made([0.0, 0.0, 0.0, 1.0], [1.0, 0.77, 0.34]);
+    let p = opaque(&gold);
+    let color = p.base_color.constant().unwrap();
+    assert!(
+        (color - Rgb::new(1.0, 0.77, 0.34)).length() < 1e-6,
+        "{color}"
+    );
+    assert_eq!((value(&p.metallic), value(&p.roughness)), (1.0, 0.25));
+    // As much of a dielectric as leaves the diffuse part that the extension asks for.
+    let mixed = made([0.5, 0.25, 0.125, 1.0], [0.52, 0.2, 0.04]);
+    let (base, metal, share) = halves(&mixed);
+    assert!((value(&share) - 0.5).abs() < 1e-6);
+    assert_eq!(base.base_color.constant(), Some(Rgb::new(0.5, 0.25, 0.125)));
+    let metal = metal.base_color.constant().unwrap();
+    assert!(
+        (metal - Rgb::new(1.0, 0.36, 0.04)).length() < 1e-5,
+        "{metal}"
+    );
+    // Plastic needs no metal.
+    let plastic = made([0.5, 0.25, 0.125, 1.0], [0.04; 3]);
+    assert_eq!(value(&opaque(&plastic).metallic), 0.0);
+}
+
+#[test]
+fn images_of_facets_and_their_gloss_count_texel_by_texel() {
+    let dir = tempfile::tempdir().unwrap();
+    let image = dir.path().join("gloss.exr");
+    // Gold on the left, plastic on the right.
+    let texels = [Rgb::new(1.0, 0.77, 0.34), Rgb::splat(0.04)];
+    let white = Image::from_rgb(2, 1, &texels);
+    crate::image::write(&image, &white, &WriteOptions::default()).unwrap();
+    let material = json!({"extensions": {"KHR_materials_pbrSpecularGlossiness": {
+        "diffuseFactor": [0.5, 0.5, 0.5, 1],
+        "specularGlossinessTexture": {"index": 0}, "glossinessFactor": 0.25,
+    }}});
+    let mut file = with_material(material);
+    file.json["images"] = json!([{"uri": image.to_str().unwrap()}]);
+    file.json["samplers"] = json!([{"magFilter": 9728}]);
+    file.json["textures"] = json!([{"source": 0, "sampler": 0}]);
+    let path = dir.path().join("a.gltf");
+    std::fs::write(&path, file.text()).unwrap();
+    let store = Arc::new(crate::texture::TextureStore::new(1 << 20));
+    let gltf = GltfOptions {
+        to_world: DAffine3::IDENTITY,
+        material: None,
+    };
+    let mut parts = Parts::default();
+    load(&path, &gltf, &ImportOptions::new(store), &mut parts).unwrap();
+    assert_eq!(parts.warnings, Vec::<String>::new());
+    let (base, metal, share) = halves(&parts);
+    let at = |texture: &Texture, u: f32| {
+        let uv = crate::math::Vec2::new(u, 0.5);
+        texture.eval(&crate::texture::SurfacePoint::at_uv(uv))
+    };
+    assert!((at(&share, 0.25).x - 1.0).abs() < 2e-3 && at(&share, 0.75).x < 2e-3);
+    let gold = at(&metal.base_color, 0.25);
+    assert!(
+        (gold - Rgb::new(1.0, 0.77, 0.34)).abs().max_element() < 2e-3,
+        "{gold}"
+    );
+    // Without a channel for it, gloss is the factor's alone.
+    assert_eq!(value(&base.roughness), 0.75);
+}

@@ -3,6 +3,7 @@
 //! Positive indices are absolute, negative ones count back from the line they stand on: those are
 //! kept relative to the block and resolved when the numbers before the block are known.
 
+use super::skipped::Skipped;
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::scene::import::mesh::{Fault, MeshOptions, place, text::Cursor};
 use std::ops::Range;
@@ -29,6 +30,8 @@ pub(super) struct Block {
     pub materials: Vec<(usize, String)>,
     /// Files that define materials (`mtllib`).
     pub libraries: Vec<String>,
+    /// What was met and is not read.
+    pub skipped: Skipped,
     /// Which indices (3 * corner + stream) are relative to the block.
     relative: Vec<usize>,
 }
@@ -46,20 +49,20 @@ pub(super) fn parse(
     let mut cursor = Cursor::new(&data[..range.end], range.start);
     while !cursor.at_end() {
         cursor.skip_blanks();
+        let start = cursor.offset();
         match cursor.word() {
             b"v" => block.position(&mut cursor, options)?,
             b"vt" => block.uv(&mut cursor, options)?,
             b"vn" => block.normal(&mut cursor)?,
             b"f" => block.face(&mut cursor)?,
             b"usemtl" if options.face_materials => {
-                let name = rest_of_line(&mut cursor);
+                let name = text(cursor.rest_of_line());
                 block.materials.push((block.sizes.len(), name));
             }
             b"mtllib" if options.face_materials => {
-                let library = rest_of_line(&mut cursor);
-                block.libraries.push(library);
+                block.libraries.push(text(cursor.rest_of_line()));
             }
-            _ => {}
+            other => block.skipped.meet(other, start),
         }
         cursor.next_line();
     }
@@ -147,14 +150,11 @@ impl Block {
                 break;
             }
             cursor.step();
-            if cursor
-                .peek()
-                .is_some_and(|b| b != b'/' && !b.is_ascii_whitespace())
-            {
+            if cursor.peek() != Some(b'/') && !cursor.at_word_end() {
                 *index = self.index(cursor, stream)?;
             }
         }
-        if cursor.peek().is_some_and(|b| !b.is_ascii_whitespace()) {
+        if !cursor.at_word_end() {
             let message = "a corner is `v`, `v/vt`, `v//vn` or `v/vt/vn`";
             return Err(Fault::new(cursor.offset(), message));
         }
@@ -213,16 +213,8 @@ impl Block {
     }
 }
 
-/// What is left of a line, without the blanks around it.
-fn rest_of_line(cursor: &mut Cursor) -> String {
-    let mut words: Vec<String> = Vec::new();
-    loop {
-        cursor.skip_blanks();
-        if cursor.at_line_end() {
-            return words.join(" ");
-        }
-        words.push(String::from_utf8_lossy(cursor.word()).into_owned());
-    }
+fn text(bytes: Vec<u8>) -> String {
+    String::from_utf8_lossy(&bytes).into_owned()
 }
 
 /// `N` numbers.

@@ -10,9 +10,11 @@
 
 mod block;
 mod faces;
+mod skipped;
 
 use super::{Fault, MeshOptions, Raw, polygon};
 use crate::math::{Rgb, Vec2, Vec3};
+use crate::scene::import::encoding;
 use crate::texture::MeshAttribute;
 use block::{Block, Corner};
 use rayon::prelude::*;
@@ -36,16 +38,18 @@ pub(super) fn read(data: &[u8], options: &MeshOptions) -> Result<Raw, Fault> {
     let mut blocks = parsed.into_iter().collect::<Result<Vec<_>, _>>()?;
     let triples = resolve(data, &mut blocks)?;
     let (materials, numbers) = faces::materials(&mut blocks);
+    let warnings = skipped::warnings(data, blocks.iter().map(|b| &b.skipped));
     let streams = Streams::join(blocks);
     let mut raw = unify(streams, triples, numbers);
     raw.face_materials = materials;
+    raw.warnings.extend(warnings);
     Ok(raw)
 }
 
 /// Cuts the text after line ends that no backslash continues.
 fn cut(data: &[u8]) -> Vec<Range<usize>> {
     let mut ranges = Vec::new();
-    let mut start = 0;
+    let mut start = encoding::start(data);
     while start < data.len() {
         let mut end = super::text::Cursor::new(data, (start + BLOCK).min(data.len()));
         end.next_line();
@@ -152,7 +156,9 @@ fn unify(mut streams: Streams, triples: Vec<Triple>, mut faces: Option<MeshAttri
     };
     drop(triples);
     let of_faces = faces.as_mut_slice();
-    raw.triangles = polygon::triangles(&raw.positions, &indices, &streams.sizes, of_faces);
+    let cut = polygon::triangles(&raw.positions, &indices, &streams.sizes, of_faces);
+    raw.triangles = cut.triangles;
+    raw.warnings.extend(cut.warning);
     raw.attributes.extend(faces);
     raw
 }

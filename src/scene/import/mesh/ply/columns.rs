@@ -6,6 +6,7 @@
 //! unlike in Mitsuba, parts of 8 or 16 bits are divided by their largest value.
 
 use super::header::{Element, Shape, Type};
+use rustc_hash::FxHashSet;
 
 /// Which properties of an element are which.
 #[derive(Debug, Default)]
@@ -70,6 +71,7 @@ pub(super) fn scalar_type(element: &Element, property: usize) -> Option<Type> {
 
 fn attributes(element: &Element, prefix: &str) -> Vec<Attribute> {
     let mut found: Vec<Attribute> = Vec::new();
+    let mut known = FxHashSet::default();
     for (index, property) in element.properties.iter().enumerate() {
         let Some(first) = scalar_type(element, index) else {
             continue;
@@ -90,7 +92,7 @@ fn attributes(element: &Element, prefix: &str) -> Vec<Attribute> {
             (Some(_), None) => continue,
         };
         let name = attribute_name(base, prefix);
-        if found.iter().all(|a| a.name != name) {
+        if known.insert(name.clone()) {
             found.push(Attribute {
                 name,
                 parts,

@@ -1,6 +1,8 @@
 //! The head of a PLY file: which elements follow, and of which properties each consists.
 
 use super::super::{Fault, text::Cursor};
+use crate::scene::import::encoding;
+use rustc_hash::FxHashSet;
 
 /// A number's type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,6 +56,8 @@ pub(super) struct Element {
 pub(super) struct Header {
     pub encoding: Encoding,
     pub elements: Vec<Element>,
+    /// Images that comments name.
+    pub images: Vec<String>,
     /// First byte after it.
     pub end: usize,
 }
@@ -142,13 +146,15 @@ impl Element {
 
 /// Reads the header.
 pub(super) fn parse(data: &[u8]) -> Result<Header, Fault> {
-    let mut cursor = Cursor::new(data, 0);
+    let mut cursor = Cursor::new(data, encoding::start(data));
     if cursor.word() != b"ply" {
         return Err(Fault::new(0, "not a PLY file: its first word is not `ply`"));
     }
-    cursor.next_line();
-    let mut encoding = None;
+    let newline = newline(&cursor);
+    end_line(&mut cursor, newline);
+    let (mut encoding, mut images) = (None, Vec::new());
     let mut elements: Vec<Element> = Vec::new();
+    let mut names = FxHashSet::default();
     loop {
         if cursor.at_end() {
             return Err(Fault::new(data.len(), "the header has no `end_header`"));
@@ -156,7 +162,14 @@ pub(super) fn parse(data: &[u8]) -> Result<Header, Fault> {
         let offset = cursor.offset();
         match word(&mut cursor) {
             b"format" => encoding = Some(format(&mut cursor)?),
-            b"element" => elements.push(element(&mut cursor, offset, &elements)?),
+            b"element" => {
+                let element = element(&mut cursor, offset)?;
+                if !names.insert(element.name.clone()) {
+                    let message = format!("element `{}` stands twice", element.name.escape_debug());
+                    return Err(Fault::new(offset, message));
+                }
+                elements.push(element);
+            }
             b"property" => {
                 let property = property(&mut cursor)?;
                 let element = elements.last_mut();
@@ -165,22 +178,33 @@ pub(super) fn parse(data: &[u8]) -> Result<Header, Fault> {
                 element.properties.push(property);
             }
             b"end_header" => break,
-            b"comment" | b"obj_info" | b"" => {}
+            b"comment" => images.extend(image(&mut cursor)),
+            b"obj_info" | b"" => {}
             other => {
                 let shown = String::from_utf8_lossy(&other[..other.len().min(40)]);
                 let message = format!("`{}` is not a word of a PLY header", shown.escape_debug());
                 return Err(Fault::new(offset, message));
             }
         }
-        end_line(&mut cursor);
+        end_line(&mut cursor, newline);
     }
-    end_line(&mut cursor);
+    end_line(&mut cursor, newline);
     let encoding = encoding.ok_or_else(|| Fault::new(0, "the header has no `format`"))?;
     Ok(Header {
         encoding,
         elements,
+        images,
         end: cursor.offset(),
     })
+}
+
+/// The image that a comment of MeshLab's kind names: `comment TextureFile NAME`.
+fn image(cursor: &mut Cursor) -> Option<String> {
+    let is_image = word(cursor).eq_ignore_ascii_case(b"texturefile");
+    cursor.skip_blanks();
+    let line = cursor.line();
+    let name = line.trim_ascii_end();
+    (is_image && !name.is_empty()).then(|| String::from_utf8_lossy(name).into_owned())
 }
 
 fn word<'a>(cursor: &mut Cursor<'a>) -> &'a [u8] {
@@ -188,9 +212,23 @@ fn word<'a>(cursor: &mut Cursor<'a>) -> &'a [u8] {
     cursor.word()
 }
 
+/// How the first line ends: old Macintosh files have a carriage return alone.
+fn newline(cursor: &Cursor) -> u8 {
+    let mut ahead = cursor.clone();
+    while ahead.peek().is_some_and(|b| b != b'\r' && b != b'\n') {
+        ahead.step();
+    }
+    let first = ahead.peek();
+    ahead.step();
+    match (first, ahead.peek()) {
+        (Some(b'\r'), next) if next != Some(b'\n') => b'\r',
+        _ => b'\n',
+    }
+}
+
 /// To the byte after the line end. A backslash continues nothing here.
-fn end_line(cursor: &mut Cursor) {
-    while cursor.peek().is_some_and(|b| b != b'\n') {
+fn end_line(cursor: &mut Cursor, newline: u8) {
+    while cursor.peek().is_some_and(|b| b != newline) {
         cursor.step();
     }
     if !cursor.at_end() {
@@ -221,16 +259,20 @@ fn name(cursor: &mut Cursor, of: &str) -> Result<String, Fault> {
     Ok(String::from_utf8_lossy(name).into_owned())
 }
 
-fn element(cursor: &mut Cursor, offset: usize, known: &[Element]) -> Result<Element, Fault> {
+fn element(cursor: &mut Cursor, offset: usize) -> Result<Element, Fault> {
     let name = name(cursor, "element")?;
-    if known.iter().any(|e| e.name == name) {
-        let message = format!("element `{}` stands twice", name.escape_debug());
-        return Err(Fault::new(offset, message));
-    }
     cursor.skip_blanks();
     let at = cursor.offset();
-    let count = usize::try_from(cursor.integer()?)
-        .map_err(|_| Fault::new(at, "the number of rows is negative"))?;
+    let wrong = |message: &str| Fault::new(at, message.to_owned());
+    let shown = String::from_utf8_lossy(cursor.clone().word()).into_owned();
+    let count = cursor.integer()?;
+    if !cursor.at_word_end() {
+        let shown = shown.escape_debug();
+        return Err(wrong(&format!(
+            "the number of rows is `{shown}`, and a whole number was expected"
+        )));
+    }
+    let count = usize::try_from(count).map_err(|_| wrong("the number of rows is negative"))?;
     Ok(Element {
         name,
         count,

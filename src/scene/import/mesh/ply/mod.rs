@@ -34,7 +34,9 @@ pub(super) fn read(data: &[u8], options: &MeshOptions, path: &Path) -> Result<Ra
         Encoding::Ascii => e.in_text(data, path),
         Encoding::Little | Encoding::Big => e.in_binary(path),
     })?;
-    Ok(reader.into_raw())
+    let mut raw = reader.into_raw();
+    raw.images = header.images;
+    Ok(raw)
 }
 
 /// A whole number in the range of indices.
@@ -178,6 +180,11 @@ impl<'a> Reader<'a> {
 
     fn faces(&mut self, element: &Element) -> Result<(), Fault> {
         let list = Self::index_list(element)?;
+        if element.find(&["texcoord"]).is_some() && self.raw.uvs.is_none() {
+            let warning = "texture coordinates of faces' corners (`texcoord`) are left out: \
+                export them per vertex";
+            self.raw.warnings.push(warning.into());
+        }
         let columns = Columns::of(element, "face_").attributes;
         self.raw
             .attributes
@@ -255,8 +262,9 @@ impl<'a> Reader<'a> {
         if !self.sizes.is_empty() {
             let raw = &mut self.raw;
             let (indices, sizes) = (&self.indices, &self.sizes);
-            let more = polygon::triangles(&raw.positions, indices, sizes, &mut raw.attributes);
-            raw.triangles.extend(more);
+            let cut = polygon::triangles(&raw.positions, indices, sizes, &mut raw.attributes);
+            raw.triangles.extend(cut.triangles);
+            raw.warnings.extend(cut.warning);
         }
         // A file with both faces and strips has values for the faces alone.
         let (vertices, triangles) = (self.raw.positions.len(), self.raw.triangles.len());

@@ -129,3 +129,56 @@ fn files_load_from_disk() {
     assert!(load(&empty, MeshKind::Obj, &MeshOptions::default()).is_err());
     assert!(load(folder.path(), MeshKind::Obj, &MeshOptions::default()).is_err());
 }
+
+/// `count` times one triangle among `others` that stand apart, each with a colour of its face.
+fn crowded(count: usize, others: usize) -> Raw {
+    let mut raw = Raw::default();
+    for i in 0..others + count {
+        let x = if i % 2 == 0 && i / 2 < count {
+            0.0
+        } else {
+            i as f32
+        };
+        let corners = [[x, 0.0, 0.0], [x + 1.0, 0.0, 0.0], [x, 1.0, 0.0]].map(Vec3::from);
+        // The same triangle from any of its corners.
+        let start = raw.positions.len() as u32;
+        raw.positions.extend(corners);
+        let mut triangle = [start, start + 1, start + 2];
+        triangle.rotate_left(i % 3);
+        raw.triangles.push(triangle);
+    }
+    raw.attributes.push(MeshAttribute {
+        name: "face_n".into(),
+        per_face: true,
+        values: (0..others + count)
+            .map(|i| crate::math::Rgb::splat(i as f32))
+            .collect(),
+    });
+    raw
+}
+
+#[test]
+fn many_triangles_in_one_place_become_one() {
+    let options = MeshOptions::default();
+    let clean = |raw| clean::finish(raw, &options).unwrap();
+    let loaded = clean(crowded(20_000, 20_000));
+    let triangles = loaded.mesh.triangles.triangles();
+    assert_eq!(triangles.len(), 20_001);
+    assert_eq!(loaded.mesh.attributes.list[0].values.len(), 20_001);
+    assert!(
+        loaded.warnings[0].starts_with("19999 triangles dropped"),
+        "{:?}",
+        loaded.warnings
+    );
+    // One in five hundred shows; two in a mesh of others are left alone, as are both sides of a sheet.
+    assert_eq!(
+        clean(crowded(100, 50_000)).mesh.triangles.triangles().len(),
+        50_001
+    );
+    assert_eq!(clean(crowded(2, 5_000)).warnings, Vec::<String>::new());
+    let mut sheet = crowded(0, 2_000);
+    let back: Vec<[u32; 3]> = sheet.triangles.iter().map(|t| [t[0], t[2], t[1]]).collect();
+    sheet.triangles.extend(back);
+    sheet.attributes.clear();
+    assert_eq!(clean(sheet).mesh.triangles.triangles().len(), 4_000);
+}

@@ -308,3 +308,88 @@ fn polygons_keep_their_area() {
         }
     }
 }
+
+#[test]
+fn long_concave_polygons_are_cut_without_a_word() {
+    // A comb, and a strip that winds itself up: few corners of it are ears at any time.
+    let comb = |i: usize| (i as f64, if i % 2 == 0 { 1.0 } else { 50.0 });
+    let mut comb: Vec<_> = (0..400).map(comb).collect();
+    comb.extend([(400.0, 0.0), (0.0, 0.0)]);
+    comb.reverse();
+    let turn = |i: usize, r: f64| {
+        let angle = i as f64 * 0.25;
+        let r = r + i as f64 * 0.1;
+        (r * angle.cos(), r * angle.sin())
+    };
+    let outer = (0..240).map(|i| turn(i, 2.0));
+    let inner = (0..240).rev().map(|i| turn(i, 1.0));
+    let spiral: Vec<_> = outer.chain(inner).collect();
+    for polygon in [comb, spiral] {
+        let mut text = String::new();
+        let mut twice = 0.0;
+        for (i, (x, y)) in polygon.iter().enumerate() {
+            let next = polygon[(i + 1) % polygon.len()];
+            twice += x * next.1 - y * next.0;
+            text += &format!("v {x} {y} 0\n");
+        }
+        text += "f";
+        (1..=polygon.len()).for_each(|i| text += &format!(" {i}"));
+        let loaded = obj(&text);
+        assert_eq!(loaded.warnings, Vec::<String>::new());
+        let error = area(&loaded.mesh) / (twice / 2.0).abs() - 1.0;
+        assert!(error.abs() < 1e-5, "{error}");
+    }
+}
+
+#[test]
+fn a_byte_order_mark_and_lines_of_other_systems_change_nothing() {
+    let plain = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+    let expected = corners(&obj(plain).mesh);
+    for odd in [
+        format!("\u{feff}{plain}"),
+        format!("\u{feff}{}", plain.replace('\n', "\r\n")),
+        plain.replace('\n', "\r"),
+        // A line is continued with or without blanks around the backslash.
+        plain.replace("f 1 2 3 4", "f 1 2\\\n 3 4"),
+        plain.replace("f 1 2 3 4", "f 1 2\\\r\n3\\ \n4"),
+        plain.replace("v 1 1 0", "v 1\\\n1\\\n0"),
+        plain.replace("f 1 2 3 4", "f 1// 2//\\\n 3// 4//"),
+    ] {
+        let loaded = obj(&odd);
+        assert_eq!(corners(&loaded.mesh), expected, "{odd:?}");
+        assert_eq!(loaded.warnings, Vec::<String>::new(), "{odd:?}");
+    }
+    let model = tetrahedron();
+    let text = String::from_utf8(model.ply_ascii()).unwrap();
+    let same = |bytes: &[u8]| {
+        let mesh = loaded(MeshKind::Ply, bytes, &MeshOptions::default()).mesh;
+        assert_eq!(mesh.triangles.positions(), &model.positions[..]);
+    };
+    same(format!("\u{feff}{text}").as_bytes());
+    same(text.replace('\n', "\r\n").as_bytes());
+    same(text.replace('\n', "\r").as_bytes());
+    let mut marked = "\u{feff}".as_bytes().to_vec();
+    marked.extend(model.ply_little());
+    same(&marked);
+    let wide: Vec<u8> = plain.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let wide = [&[0xff, 0xfe], wide.as_slice()].concat();
+    for kind in [MeshKind::Obj, MeshKind::Ply] {
+        let error = read(&wide, kind, &MeshOptions::default(), Path::new("m")).unwrap_err();
+        assert!(error.to_string().contains("UTF-16"), "{error}");
+    }
+}
+
+#[test]
+fn what_an_obj_file_holds_beside_faces_is_counted() {
+    let triangle = "o a\ng b\ns off\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    assert_eq!(obj(triangle).warnings, Vec::<String>::new());
+    let more = "l 1 2\np 1\ncurv 0 1 1 2\nvertex 1 2 3\nfo 1 2 3\n";
+    let warnings = obj(&format!("{triangle}{more}")).warnings;
+    assert_eq!(warnings.len(), 3, "{warnings:?}");
+    assert!(warnings[0].starts_with("2 statements of lines"));
+    assert!(warnings[1].starts_with("1 statements of free-form"));
+    assert!(
+        warnings[2].contains("the first is line 11 (`vertex`)"),
+        "{warnings:?}"
+    );
+}

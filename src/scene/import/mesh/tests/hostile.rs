@@ -52,6 +52,71 @@ fn lying_counts_are_refused_before_memory_is_taken() {
 }
 
 #[test]
+fn a_number_of_rows_is_a_whole_number() {
+    let xyz = "property float x\nproperty float y\nproperty float z\n";
+    let faces = "property list uchar int vertex_indices";
+    for count in ["1e9", "1.0", "0x1", "1,000", "-1", "one"] {
+        for (vertices, triangles) in [(count, "1"), ("3", count)] {
+            let head = format!(
+                "ascii 1.0\nelement vertex {vertices}\n{xyz}element face {triangles}\n{faces}"
+            );
+            let text = ply_text(&head, "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+            let error = read_text(MeshKind::Ply, &text, &MeshOptions::default()).unwrap_err();
+            let line = if vertices == count { 3 } else { 7 };
+            let place = format!("mesh.txt:{line}:");
+            assert!(error.to_string().starts_with(&place), "{count}: {error}");
+        }
+    }
+}
+
+/// The time of each grows with the length of the file, not with its square: with it, they would take
+/// minutes.
+#[test]
+fn many_elements_properties_and_odd_polygons_take_time_in_proportion() {
+    let start = std::time::Instant::now();
+    let triangle = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+    let faces = "element face 1\nproperty list uchar int vertex_indices";
+    let many = 100_000;
+    let others: String = (0..many)
+        .map(|i| format!("element e{i} 1\nproperty float p\n"))
+        .collect();
+    let head = format!("ascii 1.0\n{others}{triangle}{faces}");
+    let body = "0\n".repeat(many) + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    let loaded = read_text(
+        MeshKind::Ply,
+        &ply_text(&head, &body),
+        &MeshOptions::default(),
+    );
+    assert_eq!(corners(&loaded.unwrap().mesh).len(), 1);
+    let values: String = (0..many)
+        .map(|i| format!("property float a{i}_0\n"))
+        .collect();
+    let head = format!("ascii 1.0\n{triangle}{values}{faces}");
+    let row = |xyz: &str| format!("{xyz}{}\n", " 1".repeat(many));
+    let body = ["0 0 0", "1 0 0", "0 1 0"].map(row).concat() + "3 0 1 2\n";
+    let loaded = read_text(
+        MeshKind::Ply,
+        &ply_text(&head, &body),
+        &MeshOptions::default(),
+    );
+    assert_eq!(loaded.unwrap().mesh.attributes.list.len(), many);
+    // Stars of 500 corners that cross themselves have no ears to cut.
+    let corner = |i: u32| {
+        let angle = f64::from(i * 249 % 500) / 500.0 * std::f64::consts::TAU;
+        format!("v {} {} 0\n", angle.cos(), angle.sin())
+    };
+    let star: String = (0..500).map(corner).collect();
+    let face: String = (1..=500).map(|i| format!(" {i}")).collect();
+    let warnings = obj(&format!("{star}{}", format!("f{face}\n").repeat(200))).warnings;
+    assert!(
+        warnings[0].starts_with("200 concave polygons"),
+        "{warnings:?}"
+    );
+    let seconds = start.elapsed().as_secs_f64();
+    assert!(seconds < 60.0, "{seconds} s");
+}
+
+#[test]
 fn indices_out_of_range_are_named_with_their_place() {
     let mut model = small();
     model.triangles[7][1] = 1_000_000;

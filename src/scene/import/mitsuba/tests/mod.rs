@@ -34,6 +34,7 @@ fn one_triangle(_: &Path, _: MeshKind, options: &MeshOptions) -> Result<Loaded, 
         .to_vec();
     let triangles = crate::accel::TriangleMesh::new(positions, vec![[0, 1, 2]]).unwrap();
     Ok(Loaded {
+        images: Vec::new(),
         mesh: Mesh {
             triangles: Arc::new(triangles),
             ..Mesh::default()

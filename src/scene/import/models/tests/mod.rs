@@ -5,6 +5,9 @@ use crate::scene::import::ImportOptions;
 use crate::texture::TextureStore;
 use std::path::PathBuf;
 
+mod colors;
+mod materials;
+
 /// A quad of two triangles, the second of another material.
 const OBJ: &str = "mtllib two.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n\
     usemtl red\nf 1 2 3\nusemtl lamp\nf 1 3 4\n";
@@ -22,6 +25,20 @@ impl Folder {
 
     fn write(&self, name: &str, bytes: impl AsRef<[u8]>) {
         std::fs::write(self.0.path().join(name), bytes).unwrap();
+    }
+
+    /// A picture of four colours: red and green above, blue and white below.
+    fn quarters(&self, name: &str) {
+        let color = |i: usize| match (i % 8 < 4, i / 8 < 4) {
+            (true, true) => Rgb::X,
+            (false, true) => Rgb::Y,
+            (true, false) => Rgb::Z,
+            (false, false) => Rgb::ONE,
+        };
+        let pixels: Vec<Rgb> = (0..64).map(color).collect();
+        let image = crate::image::Image::from_rgb(8, 8, &pixels);
+        let path = self.0.path().join(name);
+        crate::image::write(&path, &image, &Default::default()).unwrap();
     }
 
     /// Loads models named as on the command line, in this folder.

@@ -1,0 +1,93 @@
+//! Files that other files name: found as they were meant, or with a hint at what is there instead.
+
+use std::path::{Path, PathBuf};
+
+/// Entries of a folder that are looked at for a hint.
+const MOST_ENTRIES: usize = 1000;
+
+/// The file that `name` stands for, in a file of `folder`: as it is written, without quotes around it,
+/// or with backslashes taken as slashes.
+pub(super) fn resolve(folder: &Path, name: &str) -> PathBuf {
+    let plain = folder.join(name);
+    let unquoted = name
+        .strip_prefix('"')
+        .and_then(|n| n.strip_suffix('"'))
+        .unwrap_or(name);
+    if plain.exists() || (unquoted == name && !name.contains('\\')) {
+        return plain;
+    }
+    folder.join(unquoted.replace('\\', "/"))
+}
+
+/// What is said behind the name of a file that is missing: that there is one of the same name in other
+/// letters, or one in `folder` itself. Empty where there is neither.
+pub(super) fn hint(path: &Path, folder: &Path) -> String {
+    if path.exists() {
+        return String::new();
+    }
+    let beside = || {
+        let name = path.file_name()?;
+        similar(&folder.join(name))
+    };
+    match similar(path).map(|p| (p, " (capital and small letters count)")) {
+        Some((found, why)) => format!("; there is {}{why}", found.display()),
+        None => beside().map_or(String::new(), |p| format!("; there is {}", p.display())),
+    }
+}
+
+/// A file whose path differs from `path` in capital and small letters alone, if in anything.
+fn similar(path: &Path) -> Option<PathBuf> {
+    if path.exists() || path.as_os_str().is_empty() {
+        return Some(path.to_owned());
+    }
+    let wanted = path.file_name()?.to_str()?.to_lowercase();
+    let folder = similar(path.parent()?)?;
+    let list = match folder.as_os_str().is_empty() {
+        true => std::fs::read_dir("."),
+        false => std::fs::read_dir(&folder),
+    };
+    let same =
+        |name: &std::ffi::OsString| name.to_str().map(str::to_lowercase).as_ref() == Some(&wanted);
+    let names = list
+        .ok()?
+        .take(MOST_ENTRIES)
+        .flatten()
+        .map(|e| e.file_name());
+    names.filter(same).min().map(|name| folder.join(name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_from_windows_and_in_quotes_are_found() {
+        let dir = tempfile::tempdir().unwrap();
+        std::fs::create_dir(dir.path().join("tex")).unwrap();
+        for name in ["tex/a b.png", "odd\\name.png"] {
+            std::fs::write(dir.path().join(name), "").unwrap();
+        }
+        for name in [
+            "tex/a b.png",
+            "tex\\a b.png",
+            "\"tex\\a b.png\"",
+            "odd\\name.png",
+        ] {
+            assert!(resolve(dir.path(), name).is_file(), "{name}");
+        }
+        assert_eq!(resolve(dir.path(), "no.png"), dir.path().join("no.png"));
+    }
+
+    #[test]
+    fn a_hint_names_the_file_of_other_letters_or_beside() {
+        let dir = tempfile::tempdir().unwrap();
+        std::fs::create_dir(dir.path().join("Tex")).unwrap();
+        std::fs::write(dir.path().join("Tex/Wood.PNG"), "").unwrap();
+        std::fs::write(dir.path().join("stone.png"), "").unwrap();
+        let of = |name: &str| hint(&resolve(dir.path(), name), dir.path());
+        assert!(of("tex/wood.png").contains("Tex/Wood.PNG (capital"));
+        assert!(of("C:\\me\\stone.png").ends_with("stone.png"));
+        assert_eq!(of("absent.png"), "");
+        assert_eq!(of("stone.png"), "");
+    }
+}
