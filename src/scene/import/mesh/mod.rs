@@ -27,7 +27,8 @@ mod tests;
 mod text;
 
 use super::ImportError;
-use crate::image::mapped;
+use crate::image::decoded::DecodeLimit;
+use crate::image::{foreign, mapped};
 use crate::math::{DAffine3, DVec3, Vec2, Vec3};
 use crate::scene::description::Mesh;
 use crate::texture::MeshAttribute;
@@ -57,6 +58,8 @@ pub struct MeshOptions {
     /// Of an OBJ file, keep which material each face has: as the attribute [`FACE_MATERIAL`] and
     /// [`Loaded::face_materials`].
     pub face_materials: bool,
+    /// Most bytes that what is compressed in a file may unpack to.
+    pub decoded_limit: u64,
 }
 
 /// Name of the attribute of faces that numbers their materials.
@@ -82,6 +85,7 @@ impl Default for MeshOptions {
             shape_index: 0,
             lenient: false,
             face_materials: false,
+            decoded_limit: DecodeLimit::default().bytes,
         }
     }
 }
@@ -177,6 +181,14 @@ fn raw(
     options: &MeshOptions,
     path: &Path,
 ) -> Result<Raw, ImportError> {
+    if let Some(foreign) = foreign::by_head(data) {
+        return Err(ImportError {
+            at: None,
+            file: Some(path.to_owned()),
+            message: format!("is no mesh but {}", foreign.what),
+            help: Some(foreign.help.into()),
+        });
+    }
     match kind {
         MeshKind::Obj => obj::read(data, options).map_err(|e| e.in_text(data, path)),
         MeshKind::Ply => ply::read(data, options, path),

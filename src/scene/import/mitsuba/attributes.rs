@@ -116,8 +116,13 @@ impl Reader {
             return value::spectrum(self.required(element, attributes, "value")?).map_err(error);
         };
         let path = self.document.resolve(element.at, name);
-        let text = std::fs::read_to_string(&path)
-            .map_err(|e| error(format!("cannot read the spectrum {}: {e}", path.display())))?;
+        let readable = std::fs::metadata(&path).is_ok_and(|m| m.is_file());
+        let text = match readable {
+            true => std::fs::read_to_string(&path).map_err(|e| e.to_string()),
+            false => Err("there is no such file".into()),
+        };
+        let text =
+            text.map_err(|e| error(format!("cannot read the spectrum {}: {e}", path.display())))?;
         value::spectrum_file(&text).map_err(|m| error(format!("{}: {m}", path.display())))
     }
 
@@ -131,8 +136,13 @@ impl Reader {
                 at: child.at,
                 children: Vec::new(),
             };
-            let step = transform::step(&child).map_err(|m| self.document.error(child.at, m))?;
-            whole = step * whole;
+            match transform::step(&child) {
+                Ok(step) => whole = step * whole,
+                Err(message) => {
+                    let error = self.document.error(child.at, message);
+                    self.document.faults.add(child.at, error, "it is left out");
+                }
+            }
         }
         Ok(whole)
     }

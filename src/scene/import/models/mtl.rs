@@ -11,6 +11,7 @@
 
 use super::mtl_file::{self, Entry, Map};
 use super::palette::{self, Paint};
+use crate::bsdf::material::Turning;
 use crate::bsdf::{Material, MaterialId};
 use crate::image::file::ImageFile;
 use crate::math::{Rgb, luminance};
@@ -110,9 +111,11 @@ impl Library {
             let mut id = parts.materials.push(model);
             let normals = self.map(entry.map("norm"), (true, false), options, parts)?;
             if let Some(normals) = normals {
-                id = parts
-                    .materials
-                    .push(Material::NormalMap { normals, inner: id });
+                id = parts.materials.push(Material::NormalMap {
+                    normals,
+                    turning: Turning::default(),
+                    inner: id,
+                });
             }
             parts.materials.push(Material::TwoSided {
                 front: id,
