@@ -181,6 +181,12 @@ int twt_input_info(const TwtInput* in, TwtInfo* out)
         out->type      = from_oiio(spec.format);
         out->tile_height = spec.tile_width > 0 ? spec.tile_height : 0;
         out->attributes  = int(spec.extra_attribs.size());
+        out->x           = spec.x;
+        out->y           = spec.y;
+        out->full_x      = spec.full_x;
+        out->full_y      = spec.full_y;
+        out->full_width  = spec.full_width;
+        out->full_height = spec.full_height;
         out->format      = in->input->format_name();
         return 0;
     });

@@ -29,6 +29,9 @@ typedef struct {
     int32_t type;         // the widest of the channels' types
     int32_t tile_height;  // 0 for scan lines
     int32_t attributes;
+    int32_t x, y;                     // where the pixels begin
+    int32_t full_x, full_y;           // where the picture begins that they are a part of
+    int32_t full_width, full_height;  // and its size
     const char* format;  // "openexr", "png", ...
 } TwtInfo;
 

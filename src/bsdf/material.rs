@@ -28,6 +28,25 @@ pub struct Roughness {
     pub alpha_v: Texture,
 }
 
+/// What is done about normals that a map turns so far that light comes from behind them (Mitsuba 3's
+/// `flip_invalid_normals` and `use_shadowing_function`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Turning {
+    /// A normal that faces away from the viewer is mirrored about the surface's own.
+    pub mirrors: bool,
+    /// Light at a slant to a turned normal is softened.
+    pub shadows: bool,
+}
+
+impl Default for Turning {
+    fn default() -> Self {
+        Self {
+            mirrors: true,
+            shadows: true,
+        }
+    }
+}
+
 /// Variant of the Ward model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum WardVariant {
@@ -186,6 +205,8 @@ pub enum Material {
         displacement: Texture,
         /// Factor on the displacement.
         scale: f32,
+        /// What is done about impossible normals.
+        turning: Turning,
         /// The material under it.
         inner: MaterialId,
     },
@@ -193,6 +214,8 @@ pub enum Material {
     NormalMap {
         /// Raw image: (x, y, z) * 0.5 + 0.5.
         normals: Texture,
+        /// What is done about impossible normals.
+        turning: Turning,
         /// The material under it.
         inner: MaterialId,
     },

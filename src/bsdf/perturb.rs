@@ -4,9 +4,10 @@
 //! (Schuessler et al., "Microfacet-based Normal Mapping", 2017), directions whose side differs between
 //! the two frames carry nothing, and the hard edge that this leaves is softened by the shadowing term
 //! of Estevez et al., "A Microfacet-Based Shadowing Function to Solve the Bump Terminator Problem"
-//! (Ray Tracing Gems, 2019).
+//! (Ray Tracing Gems, 2019). A scene can do without the first and the last.
 
 use super::lobes::weighted;
+use super::material::Turning;
 use super::tree::{NodeId, Tree};
 use super::{BsdfSample, Transport, normal_correction};
 use crate::math::{Frame, Rgb, Vec2, Vec3};
@@ -15,6 +16,7 @@ use crate::math::{Frame, Rgb, Vec2, Vec3};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Perturbation {
     frame: Frame,
+    shadows: bool,
 }
 
 /// Squared tangent of the angle to +z.
@@ -27,9 +29,9 @@ fn tan2(w: Vec3) -> f32 {
 impl Perturbation {
     /// The frame around the local normal `n` (any length; zero or not-a-number leaves the surface as
     /// it is) seen from the local direction `wo`.
-    pub fn new(n: Vec3, wo: Vec3) -> Self {
+    pub fn new(n: Vec3, wo: Vec3, turning: Turning) -> Self {
         let mut n = n;
-        if wo.z * wo.dot(n) <= 0.0 {
+        if turning.mirrors && wo.z * wo.dot(n) <= 0.0 {
             n = Vec3::new(-n.x, -n.y, n.z);
         }
         let n = n.try_normalize().unwrap_or(Vec3::Z);
@@ -37,6 +39,7 @@ impl Perturbation {
         let t = n.cross(s);
         Self {
             frame: Frame { s, t, n },
+            shadows: turning.shadows,
         }
     }
 
@@ -53,7 +56,10 @@ impl Perturbation {
             Transport::Importance => wo,
         };
         let alpha2 = (0.125 * tan2(self.frame.n)).min(1.0);
-        let shadow = 2.0 / (1.0 + (1.0 + alpha2 * tan2(light)).sqrt());
+        let shadow = match self.shadows {
+            true => 2.0 / (1.0 + (1.0 + alpha2 * tan2(light)).sqrt()),
+            false => 1.0,
+        };
         match transport {
             Transport::Radiance => shadow,
             Transport::Importance => shadow * normal_correction(wo, wi, self.frame.n, Vec3::Z),

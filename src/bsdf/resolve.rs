@@ -4,6 +4,7 @@
 use super::layer::{Coating, Layer, RoughCoating};
 use super::lobes::diffuse::Diffuse;
 use super::lookup::{Lookup, sane_eta};
+use super::material::Turning;
 use super::perturb::{Perturbation, bumped_normal};
 use super::tree::{Mix, Node, NodeId, Tree};
 use super::{Material, MaterialId};
@@ -57,14 +58,19 @@ impl Resolver<'_> {
             Material::BumpMap {
                 displacement,
                 scale,
+                turning,
                 inner,
             } => {
                 let n = self.bump(displacement, *scale, frame);
-                self.perturbed(id, *inner, n, frame, wo)
+                self.perturbed(id, *inner, (n, *turning), frame, wo)
             }
-            Material::NormalMap { normals, inner } => {
+            Material::NormalMap {
+                normals,
+                turning,
+                inner,
+            } => {
                 let n = self.lookup.color(normals) * 2.0 - Vec3::ONE;
-                self.perturbed(id, *inner, n, frame, wo)
+                self.perturbed(id, *inner, (n, *turning), frame, wo)
             }
             Material::Blend {
                 weight,
@@ -90,11 +96,11 @@ impl Resolver<'_> {
         &mut self,
         id: MaterialId,
         inner: MaterialId,
-        n: Vec3,
+        (n, turning): (Vec3, Turning),
         frame: &Frame,
         wo: Vec3,
     ) -> NodeId {
-        let p = Perturbation::new(n, wo);
+        let p = Perturbation::new(n, wo, turning);
         let local = p.frame();
         let turned = Frame {
             s: frame.to_world(local.s),

@@ -7,6 +7,7 @@
 use crate::accel::Ray;
 use crate::math::warp::concentric_disk;
 use crate::math::{DAffine3, DVec3, Vec2};
+use std::f64::consts::{PI, TAU};
 
 #[cfg(test)]
 mod tests;
@@ -54,6 +55,9 @@ pub enum Projection {
     },
     /// Parallel rays; the film spans `[-1, 1]` in camera x.
     Orthographic,
+    /// All directions, latitude by longitude, as in an environment map (Mitsuba 0.x `spherical`): +y of the
+    /// camera is at the top, -z at the left and right edges.
+    Spherical,
 }
 
 /// A camera as a scene describes it. Camera space: looks along +z, +y is up, +x is *left* (Mitsuba's convention).
@@ -91,6 +95,7 @@ enum Lens {
     Pinhole,
     Thin { radius: f64, focus: f64 },
     Parallel,
+    Sphere,
 }
 
 /// A ray from the camera.
@@ -134,6 +139,7 @@ impl Camera {
                 },
             ),
             Projection::Orthographic => (1.0, [0.0; 2], Lens::Parallel),
+            Projection::Spherical => return Self::spherical(description, width, height),
         };
         let half = [half_width, half_width / aspect];
         // Camera x points left and y up, the film's x right and y down: both run from + to -.
@@ -159,6 +165,20 @@ impl Camera {
         }
     }
 
+    /// A camera whose film is the sphere of directions: its steps are angles.
+    fn spherical(description: &CameraDescription, width: f64, height: f64) -> Self {
+        let step = [TAU / width, PI / height];
+        Self {
+            to_world: description.to_world,
+            corner: [0.0; 2],
+            step,
+            lens: Lens::Sphere,
+            near: description.near_clip,
+            far: description.far_clip,
+            pixel_width: (step[0] * step[1]).sqrt(),
+        }
+    }
+
     /// The ray through `film` (pixels from the upper left corner of the full film) and `lens` (unit square).
     #[inline]
     pub fn ray(&self, film: Vec2, lens: Vec2) -> CameraRay {
@@ -174,6 +194,14 @@ impl Camera {
                 self.finish(org, dir)
             }
             Lens::Parallel => self.finish(DVec3::new(x, y, 0.0), DVec3::Z),
+            Lens::Sphere => {
+                let ((sin_phi, cos_phi), (sin_theta, cos_theta)) = (x.sin_cos(), y.sin_cos());
+                let dir = DVec3::new(sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta);
+                let mut ray = self.finish(DVec3::ZERO, dir);
+                // Columns come together at the poles.
+                ray.cone_spread = (self.pixel_width * sin_theta.abs().sqrt()) as f32;
+                ray
+            }
         }
     }
 

@@ -4,14 +4,14 @@ use super::args::CheckArgs;
 use super::load::{self, Input};
 use super::{Failure, console};
 
-/// Loads the scene; its warnings are logged on the way.
+/// Loads the scene; its warnings are logged on the way, and so is what a render would say of its lights.
 ///
 /// # Errors
 /// When the scene cannot be used.
 pub fn run(args: &CheckArgs) -> Result<(), Failure> {
     let scene = args.scene.title();
-    let loaded = load::load(&args.scene, &Input::of(&args.scene)?, None)?;
-    let verdict = match loaded.description.warnings.len() {
+    let mut loaded = load::load(&args.scene, &Input::of(&args.scene)?, None)?;
+    let verdict = match loaded.check() {
         0 => "no warnings".to_owned(),
         1 => "1 warning".to_owned(),
         n => format!("{n} warnings"),

@@ -12,7 +12,6 @@
 use crate::accel::AccelError;
 use crate::guide::GuideError;
 use crate::image::ImageError;
-use crate::scene::BuildError;
 use crate::scene::import::ImportError;
 
 /// Exit code when the machine refused, or a limit is passed.
@@ -93,15 +92,6 @@ impl From<GuideError> for Failure {
 impl From<ImageError> for Failure {
     fn from(error: ImageError) -> Self {
         Self::Wrong(error.to_string())
-    }
-}
-
-impl From<BuildError> for Failure {
-    fn from(error: BuildError) -> Self {
-        match error {
-            BuildError::Image(error) => error.into(),
-            BuildError::Accel(error) => error.into(),
-        }
     }
 }
 

@@ -5,6 +5,9 @@ use super::scene_args::{StudioArgs, UpAxis};
 use super::values::Definition;
 use super::{Failure, budget, memory, threads};
 use crate::accel::{Backend, BuildQuality, BuildSettings};
+use crate::image::decoded::DecodeLimit;
+use crate::image::foreign;
+use crate::light::{EnvironmentImage, Lights};
 use crate::report::scene::{TextureTotals, triangles};
 use crate::report::words;
 use crate::scene::fingerprint::fingerprint;
@@ -13,7 +16,7 @@ use crate::scene::import::studio::{Sky, Studio};
 use crate::scene::import::{ImportOptions, mitsuba};
 use crate::scene::precautions::watertight_edges;
 use crate::scene::spare::{self, Trimmed};
-use crate::scene::{Description, Scene};
+use crate::scene::{Description, Scene, lights_of};
 use crate::texture::TextureStore;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -26,6 +29,8 @@ pub struct Loaded {
     textures: Arc<TextureStore>,
     /// Buffers of meshes that nothing reads and that were given back.
     pub trimmed: Trimmed,
+    /// Warnings that were given.
+    warnings: usize,
 }
 
 impl Loaded {
@@ -86,22 +91,23 @@ impl Loaded {
             words::bytes(scene.rays.memory_bytes() as u64),
             words::time(start.elapsed().as_secs_f64())
         );
-        warn_of_lights(&scene);
+        warn_of_lights(&scene.lights);
         Ok(scene)
+    }
+
+    /// Says what building the scene would find odd, without building it; how much that is.
+    pub fn check(&mut self) -> usize {
+        self.warnings + warn_of_lights(&lights_of(&mut self.description))
     }
 }
 
-/// Says what is odd about the lights.
-fn warn_of_lights(scene: &Scene) {
-    if scene.lights.is_empty() {
+/// Says what is odd about the lights; how much that is.
+fn warn_of_lights(lights: &Lights) -> usize {
+    let dark = lights.is_empty();
+    if dark {
         tracing::warn!("nothing in the scene shines: the image will be black");
     }
-    if scene.lights.rejected_texels() > 0 {
-        tracing::warn!(
-            "{} values of environment maps were negative or not finite and count as 0",
-            scene.lights.rejected_texels()
-        );
-    }
+    usize::from(dark)
 }
 
 /// What the words of the command line name.
@@ -168,6 +174,7 @@ impl SceneArgs {
             define: define.to_vec(),
             lenient,
             texture_memory: TEXTURE_MEMORY,
+            limit_decoded: DecodeLimit::default().bytes as usize,
             half_textures: false,
         }
     }
@@ -240,8 +247,13 @@ fn load_in(
     studio: &StudioArgs,
     picture: Option<&PictureArgs>,
 ) -> Result<Loaded, Failure> {
-    let textures = Arc::new(TextureStore::new(args.texture_memory).in_halves(args.half_textures));
+    let decode = DecodeLimit {
+        bytes: args.limit_decoded as u64,
+    };
+    let textures = TextureStore::new(args.texture_memory).with_limit(decode);
+    let textures = Arc::new(textures.in_halves(args.half_textures));
     let mut options = ImportOptions::new(textures.clone());
+    options.decode = decode;
     options.lenient = args.lenient;
     options.defines = args
         .define
@@ -255,7 +267,7 @@ fn load_in(
     for warning in &description.warnings {
         tracing::warn!("{warning}");
     }
-    advise_on_textures(&textures);
+    let warnings = description.warnings.len() + advise_on_textures(&textures);
     let trimmed = spare::trim(&mut description);
     if trimmed.uv_bytes + trimmed.attribute_bytes > 0 {
         tracing::debug!(
@@ -268,14 +280,15 @@ fn load_in(
         description,
         textures,
         trimmed,
+        warnings,
     })
 }
 
-/// Says what would help where images had to be put on disk.
-fn advise_on_textures(textures: &TextureStore) {
+/// Says what would help where images had to be put on disk; how many warnings that takes.
+fn advise_on_textures(textures: &TextureStore) -> usize {
     let (count, bytes) = textures.spilled();
     if count == 0 {
-        return;
+        return 0;
     }
     let images = if count == 1 { "image" } else { "images" };
     tracing::warn!(
@@ -284,6 +297,7 @@ fn advise_on_textures(textures: &TextureStore) {
         words::bytes(bytes as u64),
         words::bytes(textures.budget_bytes() as u64)
     );
+    1
 }
 
 fn load_models(
@@ -297,13 +311,21 @@ fn load_models(
         let message = format!("there is no environment map {}", path.display());
         return Err(Failure::wrong(message, "--envmap names an image file"));
     }
+    let environment = match &args.envmap {
+        Some(path) => Some(Arc::new(EnvironmentImage::read(
+            path,
+            None,
+            options.decode,
+        )?)),
+        None => None,
+    };
     let studio = Studio {
         view: args.camera.clone(),
         look_at: args.look_at,
         fov_degrees: args.fov,
         z_up,
         sky: args.sky.clone(),
-        environment: args.envmap.clone(),
+        environment,
         ground: args.ground.clone(),
         size: picture.map_or((None, None), |p| (p.width, p.height)),
     };
@@ -311,6 +333,12 @@ fn load_models(
         material: args.material.clone(),
         z_up,
     };
+    for source in sources {
+        if let Some(foreign) = foreign::by_path(&source.path) {
+            let message = format!("{} is no model but {}", source.path.display(), foreign.what);
+            return Err(Failure::wrong(message, foreign.help));
+        }
+    }
     budget::check_files(sources)?;
     let parts = models::load(sources, &settings, options)?;
     Ok(studio.compose(parts)?)

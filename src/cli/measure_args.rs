@@ -145,6 +145,7 @@ impl BenchScaleArgs {
             define: Vec::new(),
             lenient: false,
             texture_memory: 0,
+            limit_decoded: usize::MAX,
             half_textures: false,
         }
     }

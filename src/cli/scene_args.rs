@@ -32,6 +32,9 @@ pub struct SceneArgs {
     /// Memory for texels, such as 512M or 2G: what does not fit is read again when needed
     #[arg(long, value_name = "BYTES", default_value = "2G", value_parser = values::bytes, help_heading = "Machine")]
     pub texture_memory: usize,
+    /// Most that an image or mesh file may take when it is decoded; files that are a hundredth of it pass
+    #[arg(long, value_name = "BYTES", default_value = "1G", value_parser = values::bytes, help_heading = "Machine")]
+    pub limit_decoded: usize,
     /// Keep textures of 32 bits in 16: half the memory, three digits
     #[arg(long, help_heading = "Machine")]
     pub half_textures: bool,

@@ -1,10 +1,11 @@
 //! Image files opened for reading: what they promise, and their rows.
 
+use super::decoded::DecodeLimit;
 #[cfg(feature = "oiio")]
 use super::oiio::input::Input;
 #[cfg(not(feature = "oiio"))]
 use super::openexr::Input;
-use super::{Attribute, Channel, Image, ImageError, PixelType, promise};
+use super::{Attribute, Channel, Image, ImageError, PixelType, foreign, promise};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -17,11 +18,31 @@ pub struct Level {
     pub height: u32,
 }
 
+/// Where the pixels of a file lie in the picture that they are a part of (OpenEXR's data window in its
+/// display window).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Window {
+    /// Column and row of the picture at which the pixels begin; negative beyond its edges.
+    pub at: [i32; 2],
+    /// Size of the picture.
+    pub whole: Level,
+}
+
+impl Window {
+    /// The window, unless it is the same as the pixels' own.
+    pub fn of(pixels: Level, at: [i32; 2], whole: Level) -> Option<Self> {
+        let same = at == [0, 0] && whole == pixels;
+        (!same && whole.width > 0 && whole.height > 0).then_some(Self { at, whole })
+    }
+}
+
 /// What a file says about an image in it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Header {
     /// Size.
     pub level: Level,
+    /// Where that lies in the picture, if it is not all of it.
+    pub window: Option<Window>,
     /// Channels, at least one.
     pub channels: Vec<Channel>,
     /// The widest of the channels' types. Types that are none of ours are read as [`PixelType::Float`].
@@ -57,6 +78,9 @@ impl ImageFile {
         let meta = super::regular::open(path)
             .and_then(|file| file.metadata())
             .map_err(|e| error(format!("the image cannot be opened: {e}")))?;
+        if let Some(foreign) = foreign::by_path(path) {
+            return Err(error(foreign.to_string()));
+        }
         let unreadable = |why| error(format!("the image cannot be read: {why}"));
         promise::check_exr(path, meta.len()).map_err(unreadable)?;
         let input = Input::open(path).map_err(unreadable)?;
@@ -72,6 +96,23 @@ impl ImageFile {
     /// What the file says about its current part.
     pub fn header(&self) -> &Header {
         &self.header
+    }
+
+    /// Size of the file in bytes.
+    pub fn file_bytes(&self) -> u64 {
+        std::fs::metadata(&self.path).map_or(0, |m| m.len())
+    }
+
+    /// Holds what `decoded` bytes of memory are to be taken for against a limit.
+    ///
+    /// # Errors
+    /// When that is more than the limit allows.
+    pub fn check(&self, limit: DecodeLimit, decoded: u64) -> Result<(), ImageError> {
+        let Level { width, height } = self.header.level;
+        let what = format!("an image of {width} x {height} pixels");
+        limit
+            .check(&what, decoded, self.file_bytes())
+            .map_err(|why| ImageError::new(&self.path, why))
     }
 
     /// Goes to a part (and mip level) of the file; false if there is none.

@@ -14,7 +14,9 @@
 
 pub mod atomic;
 pub mod curve;
+pub mod decoded;
 pub mod file;
+pub mod foreign;
 pub mod mapped;
 pub mod metrics;
 #[cfg(feature = "oiio")]

@@ -176,7 +176,7 @@ fn to_exr(value: &AttributeValue) -> Option<ExrValue> {
 mod reading {
     use super::*;
     use crate::image::Channel;
-    use crate::image::file::{Header, Level};
+    use crate::image::file::{Header, Level, Window};
     use std::ops::Range;
     use std::path::PathBuf;
 
@@ -267,11 +267,19 @@ mod reading {
         let names: Vec<String> = list.iter().map(|c| c.name.to_string()).collect();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         let halves = list.iter().all(|c| c.sample_type == SampleType::F16);
+        let level = Level {
+            width: header.layer_size.width() as u32,
+            height: header.layer_size.height() as u32,
+        };
+        let display = header.shared_attributes.display_window;
+        let start = header.own_attributes.layer_position - display.position;
+        let whole = Level {
+            width: display.size.width() as u32,
+            height: display.size.height() as u32,
+        };
         Header {
-            level: Level {
-                width: header.layer_size.width() as u32,
-                height: header.layer_size.height() as u32,
-            },
+            level,
+            window: Window::of(level, [start.x(), start.y()], whole),
             channels: reading_order(&names)
                 .into_iter()
                 .map(|c| Channel::new(names[c]))

@@ -9,10 +9,10 @@ use super::point::PointLight;
 use super::projector::Projector;
 use super::spot::Spot;
 use super::tree::LightTree;
-use super::{Emitter, EmitterId, EmitterShape, Lights, Local, environment, sunsky};
+use super::{Emitter, EmitterId, EmitterShape, Lights, Local, sunsky};
 use crate::accel::Bounds;
-use crate::image::ImageError;
 use crate::math::Rgb;
+use std::sync::Arc;
 
 /// What has been gathered so far.
 #[derive(Default)]
@@ -21,7 +21,6 @@ struct Gathered {
     /// Leaves with their mean radiance, which is of no meaning for lights without extent.
     leaves: Vec<(EmitterId, Leaf, Rgb)>,
     distant: Vec<(EmitterId, Distant)>,
-    rejected_texels: usize,
 }
 
 impl Lights {
@@ -29,16 +28,16 @@ impl Lights {
     /// numbers them; `bounds` holds the whole scene, `target` what photons are to land on.
     ///
     /// Emitters of no power and surfaces of no area are never sampled. Channels of a radiance that
-    /// are negative, infinite or not numbers count as 0. An error names the image that could not be read.
+    /// are negative, infinite or not numbers count as 0.
     pub fn build(
         emitters: Vec<Emitter>,
         shapes: &[EmitterShape],
         bounds: Bounds,
         target: Bounds,
-    ) -> Result<Self, ImageError> {
+    ) -> Self {
         let mut gathered = Gathered::default();
         for (id, emitter) in emitters.into_iter().enumerate() {
-            gathered.add(id as EmitterId, emitter, shapes)?;
+            gathered.add(id as EmitterId, emitter, shapes);
         }
         gathered
             .distant
@@ -47,26 +46,19 @@ impl Lights {
             areas,
             leaves,
             distant,
-            rejected_texels,
         } = gathered;
         let emission = Sources::new(&leaves, &distant, bounds, target);
-        Ok(Self {
+        Self {
             areas,
             local: local(leaves),
             distant,
             emission,
-            rejected_texels,
-        })
+        }
     }
 }
 
 impl Gathered {
-    fn add(
-        &mut self,
-        id: EmitterId,
-        emitter: Emitter,
-        shapes: &[EmitterShape],
-    ) -> Result<(), ImageError> {
+    fn add(&mut self, id: EmitterId, emitter: Emitter, shapes: &[EmitterShape]) {
         let mut area = None;
         match emitter {
             Emitter::Area { shape, radiance } => {
@@ -109,10 +101,9 @@ impl Gathered {
                 let projector = Projector::new(to_world, irradiance, scale, fov_degrees, aspect);
                 self.add_delta(id, Leaf::Projector(Box::new(projector)));
             }
-            other => self.add_distant(id, other)?,
+            other => self.add_distant(id, other),
         }
         self.areas.push(area);
-        Ok(())
     }
 
     fn add_area(
@@ -136,7 +127,7 @@ impl Gathered {
         }
     }
 
-    fn add_distant(&mut self, id: EmitterId, emitter: Emitter) -> Result<(), ImageError> {
+    fn add_distant(&mut self, id: EmitterId, emitter: Emitter) {
         match emitter {
             Emitter::Directional {
                 direction,
@@ -157,13 +148,12 @@ impl Gathered {
                     .push((id, Distant::Constant(sanitized(radiance))));
             }
             Emitter::EnvironmentMap {
-                path,
+                image,
                 scale,
                 to_world,
-                gamma,
             } => {
-                let (map, rejected) = environment::load(&path, scale, &to_world, gamma)?;
-                self.rejected_texels += rejected;
+                let image = Arc::unwrap_or_clone(image);
+                let map = image.into_map(scale, &to_world);
                 let map = map.map(|m| (id, Distant::Map(Box::new(m))));
                 self.distant.extend(map);
             }
@@ -180,7 +170,6 @@ impl Gathered {
             | Emitter::Spot { .. }
             | Emitter::Projector { .. } => {}
         }
-        Ok(())
     }
 }
 

@@ -1,5 +1,6 @@
 //! Emitters as a scene file describes them.
 
+use super::EnvironmentImage;
 use crate::accel::Shape;
 use crate::math::{Affine3A, Rgb, Vec2, Vec3};
 use crate::texture::{MeshAttributes, Texture};
@@ -74,14 +75,12 @@ pub enum Emitter {
     },
     /// A latitude-longitude image around the scene.
     EnvironmentMap {
-        /// The file (read through [`crate::image`]).
-        path: std::path::PathBuf,
+        /// The image.
+        image: Arc<EnvironmentImage>,
         /// Factor on the values.
         scale: f32,
         /// Local to world; local +y is up, the image's centre is at local +z (Mitsuba's convention).
         to_world: Affine3A,
-        /// Exponent that overrides the file's own curve.
-        gamma: Option<f32>,
     },
     /// A sky after Hosek and Wilkie, with or without a sun.
     SunSky {

@@ -2,54 +2,166 @@
 
 use super::area::sanitized;
 use super::latlong::LatLong;
-use crate::image::ImageError;
+use crate::image::decoded::DecodeLimit;
+use crate::image::file::{ImageFile, Level, Window};
+use crate::image::{Image, ImageError, PixelType};
 use crate::math::{Affine3A, Mat3, Rgb};
 use std::f32::consts::PI;
-use std::path::Path;
+use std::mem::size_of;
+use std::path::{Path, PathBuf};
 
-/// A map, if it is not black, and the number of channel values that were rejected.
-pub(super) fn load(
-    path: &Path,
-    scale: f32,
-    to_world: &Affine3A,
+/// The largest number of a half float: what is beyond it is stored as infinite.
+const LARGEST_HALF: f32 = 65504.0;
+
+/// An image around the scene, in memory: linear, finite, nowhere negative.
+#[derive(Clone, PartialEq)]
+pub struct EnvironmentImage {
+    path: PathBuf,
     gamma: Option<f32>,
-) -> Result<(Option<LatLong>, usize), ImageError> {
-    // An exponent given by the scene takes the place of the file's own curve.
-    let image = match gamma {
-        Some(_) => crate::image::read(path)?,
-        None => crate::image::file::read_linear(path)?,
-    };
-    let [width, height] = [image.width, image.height];
-    if width == 0 || height < 2 {
-        return Err(ImageError {
-            path: path.display().to_string(),
-            reason: format!("an environment map needs at least two rows, not {width} x {height}"),
-        });
+    size: [usize; 2],
+    pixels: Vec<Rgb>,
+    oddities: Vec<String>,
+}
+
+/// What was asked for and the size: not the pixels.
+impl std::fmt::Debug for EnvironmentImage {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("EnvironmentImage")
+            .field("path", &self.path)
+            .field("gamma", &self.gamma)
+            .field("size", &self.size)
+            .finish_non_exhaustive()
     }
-    let mut rejected = 0;
-    let pixels: Vec<Rgb> = image
-        .rgb()
-        .into_iter()
-        .map(|value| {
-            let value = gamma.map_or(value, |g| value.powf(g)) * scale;
+}
+
+impl EnvironmentImage {
+    /// Reads the file `path`. `gamma` is an exponent that takes the place of the file's own curve.
+    ///
+    /// # Errors
+    /// When it cannot be read, would take more memory than `limit` allows, or has a single row.
+    pub fn read(path: &Path, gamma: Option<f32>, limit: DecodeLimit) -> Result<Self, ImageError> {
+        let file = ImageFile::open(path)?;
+        let header = file.header();
+        let (window, halves) = (header.window, header.pixel_type == PixelType::Half);
+        let whole = window.map_or(header.level, |w| w.whole);
+        let pixels = u64::from(whole.width) * u64::from(whole.height);
+        file.check(limit, pixels.saturating_mul(size_of::<Rgb>() as u64))?;
+        if whole.height < 2 {
+            let Level { width, height } = whole;
+            let reason =
+                format!("an environment map needs at least two rows, not {width} x {height}");
+            return Err(ImageError::new(path, reason));
+        }
+        drop(file);
+        // An exponent given by the scene takes the place of the file's own curve.
+        let image = match gamma {
+            Some(_) => crate::image::read(path)?,
+            None => crate::image::read_linear(path)?,
+        };
+        let mut map = Self {
+            path: path.to_owned(),
+            gamma,
+            size: [whole.width as usize, whole.height as usize],
+            pixels: Vec::new(),
+            oddities: Vec::new(),
+        };
+        map.pixels = match window {
+            Some(window) => map.placed(&image, window),
+            None => image.rgb(),
+        };
+        drop(image);
+        map.clean(halves);
+        Ok(map)
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The exponent that was asked for.
+    pub fn gamma(&self) -> Option<f32> {
+        self.gamma
+    }
+
+    /// What is odd about the file, in words.
+    pub fn oddities(&self) -> &[String] {
+        &self.oddities
+    }
+
+    /// The whole picture of a file that holds a part of it, or more: black where it has nothing.
+    fn placed(&mut self, image: &Image, window: Window) -> Vec<Rgb> {
+        let [width, height] = self.size;
+        let [x, y] = window.at;
+        self.oddities.push(format!(
+            "it holds {} x {} pixels from {x}, {y} of a picture of {width} x {height}: the rest is black",
+            image.width, image.height
+        ));
+        let mut whole = vec![Rgb::ZERO; width * height];
+        let data = image.rgb();
+        let row_of = |y: usize, start: i32| usize::try_from(y as i64 + i64::from(start)).ok();
+        for (from, row) in data.chunks_exact(image.width as usize).enumerate() {
+            let Some(to) = row_of(from, y).filter(|to| *to < height) else {
+                continue;
+            };
+            for (from, pixel) in row.iter().enumerate() {
+                if let Some(column) = row_of(from, x).filter(|c| *c < width) {
+                    whole[to * width + column] = *pixel;
+                }
+            }
+        }
+        whole
+    }
+
+    /// Leaves light only. What is infinite was too bright for the file, most often the sun in half floats: it
+    /// becomes the largest number that the file holds.
+    fn clean(&mut self, halves: bool) {
+        let finite = |m: f32, p: &Rgb| {
+            let channels = p.to_array().into_iter().filter(|x| x.is_finite());
+            channels.fold(m, f32::max)
+        };
+        let endless = |p: &Rgb| p.to_array().contains(&f32::INFINITY);
+        let clipped = self.pixels.iter().filter(|p| endless(p)).count();
+        let mut largest = 0.0;
+        if clipped > 0 {
+            let brightest = self.pixels.iter().fold(0.0, finite);
+            largest = if halves { LARGEST_HALF } else { brightest };
+            self.oddities.push(format!(
+                "{clipped} texels are infinite, as a sun too bright for the file is: they count as {largest}"
+            ));
+        }
+        let mut rejected = 0;
+        for pixel in &mut self.pixels {
+            let cut = pixel
+                .to_array()
+                .map(|x| if x == f32::INFINITY { largest } else { x });
+            let value = Rgb::from_array(cut);
+            let value = self.gamma.map_or(value, |g| value.powf(g));
             let clean = sanitized(value);
+            // Zero is no light, and no fault.
             rejected += usize::from(clean.x != value.x)
                 + usize::from(clean.y != value.y)
                 + usize::from(clean.z != value.z);
-            clean
-        })
-        .collect();
-    if rejected > 0 {
-        tracing::warn!(
-            "{}: {rejected} values are negative, infinite or not numbers; they count as 0",
-            path.display()
-        );
+            *pixel = clean;
+        }
+        if rejected > 0 {
+            self.oddities.push(format!(
+                "{rejected} values are negative or not numbers: they count as 0"
+            ));
+        }
     }
-    let map = LatLong::new(
-        [width as usize, height as usize],
-        pixels,
-        PI,
-        Mat3::from(to_world.matrix3),
-    );
-    Ok((map, rejected))
+
+    /// Texels that are not black.
+    #[cfg(test)]
+    pub(super) fn lit(&self) -> usize {
+        self.pixels.iter().filter(|p| **p != Rgb::ZERO).count()
+    }
+
+    /// The map, if it is not black.
+    pub(super) fn into_map(mut self, scale: f32, to_world: &Affine3A) -> Option<LatLong> {
+        for pixel in &mut self.pixels {
+            *pixel = sanitized(*pixel * scale);
+        }
+        LatLong::new(self.size, self.pixels, PI, Mat3::from(to_world.matrix3))
+    }
 }

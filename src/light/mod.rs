@@ -40,6 +40,7 @@ mod triangle;
 pub use beacon::{Beacon, Shining};
 pub use description::{Emitter, EmitterShape, SunSky};
 pub use emission::Emission;
+pub use environment::EnvironmentImage;
 
 use area::{AreaEmitter, DARK};
 use distant::{Distant, Drawn};
@@ -93,7 +94,6 @@ pub struct Lights {
     local: Option<Local>,
     distant: Vec<(EmitterId, Distant)>,
     emission: Option<emission::Sources>,
-    rejected_texels: usize,
 }
 
 /// The lights in the scene.
@@ -343,11 +343,6 @@ impl Lights {
     /// Whether nothing shines.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
-    }
-
-    /// Channel values of environment maps that were negative, infinite or not numbers and count as 0.
-    pub fn rejected_texels(&self) -> usize {
-        self.rejected_texels
     }
 
     /// Bytes held by the light tree and by environments, without meshes and textures shared with the scene.

@@ -70,6 +70,7 @@ pub fn camera(projection: &Projection) -> &'static str {
         Projection::Perspective { .. } => "perspective",
         Projection::ThinLens { .. } => "thinlens",
         Projection::Orthographic => "orthographic",
+        Projection::Spherical => "spherical",
     }
 }
 

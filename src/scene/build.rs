@@ -5,7 +5,6 @@ use super::description::{Description, Geometry, Mesh, Shape};
 use super::surface::{DARK, Form, Needs, Surface, Surfaces};
 use crate::accel::{self, AccelError, Backend, BuildSettings, RayQuery, World};
 use crate::bsdf::Materials;
-use crate::image::ImageError;
 use crate::light::{Emitter, EmitterShape, Lights};
 use crate::math::Affine3A;
 use crate::texture::MeshAttributes;
@@ -21,27 +20,16 @@ pub struct Scene {
     pub rays: Box<dyn RayQuery>,
 }
 
-/// A scene could not be built.
-#[derive(Debug, thiserror::Error)]
-pub enum BuildError {
-    /// The ray tracer refused.
-    #[error(transparent)]
-    Accel(#[from] AccelError),
-    /// An environment map could not be read.
-    #[error(transparent)]
-    Image(#[from] ImageError),
-}
-
 impl Scene {
     /// Builds the scene. `materials`, `shapes` and `emitters` move out of the description.
     ///
     /// # Errors
-    /// When the ray tracer runs out of memory or an environment map cannot be read.
+    /// When the ray tracer runs out of memory.
     pub fn build(
         description: &mut Description,
         settings: BuildSettings,
         backend: Backend,
-    ) -> Result<Self, BuildError> {
+    ) -> Result<Self, AccelError> {
         let materials = std::mem::take(&mut description.materials);
         let (emitters, glowing) = glowing_shapes(description);
         let world = world_of(description, &materials);
@@ -67,13 +55,21 @@ impl Scene {
         let bounds = rays.bounds();
         // Photons are to land on what does not glow by itself, if there is anything.
         let target = if dark.radius() > 0.0 { dark } else { bounds };
-        let lights = Lights::build(emitters, &glowing, bounds, target)?;
+        let lights = Lights::build(emitters, &glowing, bounds, target);
         Ok(Self {
             surfaces,
             lights,
             rays,
         })
     }
+}
+
+/// The lights of a scene that is not built: for saying what is odd about them. Emitters move out of the
+/// description.
+pub fn lights_of(description: &mut Description) -> Lights {
+    let (emitters, glowing) = glowing_shapes(description);
+    let bounds = accel::world_bounds(&world_of(description, &description.materials));
+    Lights::build(emitters, &glowing, bounds, bounds)
 }
 
 /// The emitters, with area emitters renumbered to the list of glowing shapes that comes with them.

@@ -108,17 +108,17 @@ impl Print {
 
     fn emitter(&mut self, emitter: &Emitter) -> io::Result<()> {
         let Emitter::EnvironmentMap {
-            path,
+            image,
             scale,
             to_world,
-            gamma,
         } = emitter
         else {
             self.text(format_args!("{emitter:?}"));
             return Ok(());
         };
+        let gamma = image.gamma();
         self.text(format_args!("environment {scale} {to_world:?} {gamma:?}"));
-        self.file(path)
+        self.file(image.path())
     }
 
     /// Adds the contents of a file.

@@ -10,5 +10,5 @@ pub mod spare;
 pub mod surface;
 mod turning;
 
-pub use build::{BuildError, Scene};
+pub use build::{Scene, lights_of};
 pub use description::{Description, Geometry, Mesh, Shape};

@@ -11,10 +11,11 @@
 
 #[cfg(feature = "oiio")]
 use super::cached::Cached;
+use super::load::Survey;
 use super::place::{level, nearest, neighbours};
 use super::pyramid::{Half, Pyramid, Texel};
 use super::{BitmapSettings, Filter, SurfacePoint};
-use crate::image::file::Level;
+use crate::image::file::{Level, Window};
 use crate::math::{Rgb, Vec2, luminance};
 use std::sync::Arc;
 
@@ -45,8 +46,8 @@ pub(super) struct Texels {
     pub size: Level,
     pub levels: usize,
     pub grey: bool,
-    pub mean: Rgb,
-    pub bad: u64,
+    pub survey: Survey,
+    pub window: Option<Window>,
     pub bytes: usize,
 }
 
@@ -117,7 +118,7 @@ impl Bitmap {
     /// Texels of the file that were not numbers, infinite, or negative colours, and count as 0.
     /// Zero for files that were not read whole.
     pub fn bad_texels(&self) -> u64 {
-        self.texels.bad
+        self.texels.survey.bad
     }
 
     /// The linear value of a texel of the finest level; row 0 is the file's first and lies at v = 0.
@@ -129,7 +130,36 @@ impl Bitmap {
 
     /// Mean of all texels.
     pub fn mean(&self) -> Rgb {
-        self.texels.mean
+        self.texels.survey.mean
+    }
+
+    /// The largest number of any channel of any texel; of files that were not read whole, that of a
+    /// coarser level.
+    pub fn largest(&self) -> f32 {
+        self.texels.survey.largest
+    }
+
+    /// What is odd about the file, in words.
+    pub fn oddities(&self) -> Vec<String> {
+        let mut list = Vec::new();
+        let bad = self.bad_texels();
+        if bad > 0 {
+            list.push(format!(
+                "{bad} texels hold negative, infinite or no numbers, which count as 0"
+            ));
+        }
+        if let Some(window) = self.texels.window {
+            let Level { width, height } = self.texels.size;
+            let Level {
+                width: whole_width,
+                height: whole_height,
+            } = window.whole;
+            let [x, y] = window.at;
+            list.push(format!(
+                "its data window, {width} x {height} pixels from {x}, {y}, is not the whole picture of {whole_width} x {whole_height}: the data alone is the texture, as in Mitsuba"
+            ));
+        }
+        list
     }
 
     /// The value at a point of a surface.

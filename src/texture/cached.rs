@@ -112,7 +112,10 @@ pub(super) fn open(
     let useful = |l: &Level| u64::from(l.width) * u64::from(l.height) >= 4096;
     let surveyed = levels.iter().rposition(useful).unwrap_or(0);
     plan.file.seek(0, surveyed as u32)?;
-    let (mean, bad) = plan.survey()?;
+    let mut survey = plan.survey()?;
+    if surveyed > 0 {
+        survey.bad = 0;
+    }
     // OpenImageIO makes the missing levels itself, halving and rounding down as we do.
     while !has_own && levels.last().is_some_and(|l| l.width > 1 || l.height > 1) {
         let next = half_size(levels[levels.len() - 1]);
@@ -127,8 +130,8 @@ pub(super) fn open(
         size,
         levels: levels.len(),
         grey,
-        mean,
-        bad: if surveyed == 0 { bad } else { 0 },
+        survey,
+        window: plan.window,
         bytes: 0,
         source: Source::Cached(Cached {
             system,

@@ -5,7 +5,7 @@ use super::bitmap::{Source, Texels};
 use super::curve::{Cleaner, Curve};
 use super::pyramid::{Half, Pyramid, Texel};
 use super::storage::Storage;
-use crate::image::file::{ImageFile, Level};
+use crate::image::file::{ImageFile, Level, Window};
 use crate::image::{ImageError, PixelType, color_channels};
 use crate::math::Rgb;
 use bytemuck::Pod;
@@ -21,6 +21,8 @@ pub(super) struct Plan {
     pub raw: bool,
     /// Keep floats as half floats.
     pub halves: bool,
+    /// Where the file's pixels lie in a larger picture, or a smaller one.
+    pub window: Option<Window>,
     path: PathBuf,
 }
 
@@ -28,7 +30,19 @@ pub(super) struct Plan {
 #[derive(Default)]
 struct Census {
     sum: [f64; 3],
+    largest: f32,
     bad: u64,
+}
+
+/// The same, summed up.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Survey {
+    /// Mean of all texels.
+    pub mean: Rgb,
+    /// The largest number of any channel; 0 if all are negative.
+    pub largest: f32,
+    /// Texels that held something else than a value.
+    pub bad: u64,
 }
 
 impl Plan {
@@ -53,6 +67,7 @@ impl Plan {
             raw: settings.raw,
             halves: false,
             path: settings.path.clone(),
+            window: header.window,
             channels,
             file,
         })
@@ -116,8 +131,8 @@ impl Plan {
             size,
             levels,
             grey,
-            mean: census.mean(size, grey),
-            bad: census.bad,
+            survey: census.summary(size, grey),
+            window: self.window,
             bytes,
         })
     }
@@ -199,9 +214,9 @@ impl Plan {
             .map_err(|e| cannot_store(&self.path, e))
     }
 
-    /// The mean and the number of bad texels, read in strips and not kept.
+    /// What the texels are like, read in strips and not kept.
     #[cfg(feature = "oiio")]
-    pub fn survey(&mut self) -> Result<(Rgb, u64), ImageError> {
+    pub fn survey(&mut self) -> Result<Survey, ImageError> {
         let size = self.file.header().level;
         let (curve, cleaner, mut census) = (self.curve, self.cleaner(), Census::default());
         let mut count = |stored: &[f32]| {
@@ -224,7 +239,7 @@ impl Plan {
                 Ok(())
             })?;
         }
-        Ok((census.mean(size, self.channels.len() == 1), census.bad))
+        Ok(census.summary(size, self.channels.len() == 1))
     }
 
     /// Calls `take` with the chosen channels of the texels of the file's current level, a strip of rows
@@ -263,6 +278,15 @@ impl Census {
     fn add(&mut self, texel: &[f32]) {
         for (sum, x) in self.sum.iter_mut().zip(texel) {
             *sum += f64::from(*x);
+            self.largest = self.largest.max(*x);
+        }
+    }
+
+    fn summary(&self, size: Level, grey: bool) -> Survey {
+        Survey {
+            mean: self.mean(size, grey),
+            largest: self.largest,
+            bad: self.bad,
         }
     }
 

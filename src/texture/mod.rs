@@ -126,6 +126,8 @@ pub enum Texture {
     Product(std::sync::Arc<(Texture, Texture)>),
     /// 1 where another texture reaches a threshold, 0 elsewhere (cut-out foliage).
     Threshold(std::sync::Arc<(Texture, f32)>),
+    /// Another texture, cut to the range 0 to 1.
+    Limited(std::sync::Arc<Texture>),
     /// An attribute of the mesh, by name; black where the mesh has none of that name.
     MeshAttribute(std::sync::Arc<str>),
 }
@@ -190,6 +192,7 @@ impl Texture {
             Texture::Affine(affine) => affine.0.eval(point) * affine.1 + affine.2,
             Texture::Product(both) => both.0.eval(point) * both.1.eval(point),
             Texture::Threshold(step) => Rgb::splat(reaches(step.0.eval_scalar(point), step.1)),
+            Texture::Limited(inner) => limited(inner.eval(point)),
             Texture::MeshAttribute(name) => point.attribute(name),
         }
     }
@@ -200,8 +203,11 @@ impl Texture {
         match self {
             Texture::Constant(c) => luminance(*c),
             Texture::Bitmap(bitmap) => bitmap.eval_scalar(point),
-            Texture::Checkerboard(board) => board.at(point.uv).eval_scalar(point),
+            Texture::Checkerboard(board) => board.eval_scalar(point),
             Texture::Threshold(step) => reaches(step.0.eval_scalar(point), step.1),
+            Texture::Limited(inner) => inner.eval_scalar(point).clamp(0.0, 1.0),
+            // A grey factor does not care which of the two is taken first, but a texture may.
+            Texture::Scale(scaled) if is_grey(scaled.1) => scaled.0.eval_scalar(point) * scaled.1.x,
             other => luminance(other.eval(point)),
         }
     }
@@ -237,6 +243,7 @@ impl Texture {
             Texture::Product(both) => both.0.mean() * both.1.mean(),
             // How much of the texture reaches the threshold is not known.
             Texture::Threshold(_) => Rgb::splat(0.5),
+            Texture::Limited(inner) => limited(inner.mean()),
             Texture::MeshAttribute(_) => Rgb::splat(0.5),
         }
     }
@@ -252,9 +259,38 @@ impl Texture {
                 let value = luminance(step.0.constant()?);
                 Some(Rgb::splat(reaches(value, step.1)))
             }
+            Texture::Limited(inner) => inner.constant().map(limited),
             _ => None,
         }
     }
+
+    /// A number that no channel exceeds anywhere, and that one reaches where factors are positive. Nothing
+    /// is known of attributes of meshes.
+    pub fn largest(&self) -> Option<f32> {
+        Some(match self {
+            Texture::Constant(c) => c.max_element(),
+            Texture::Bitmap(bitmap) => bitmap.largest(),
+            Texture::Checkerboard(board) => board.color0.largest()?.max(board.color1.largest()?),
+            Texture::Grid(grid) => grid.color0.max(grid.color1).max_element(),
+            Texture::Scale(scaled) => scaled.0.largest()? * scaled.1.max_element(),
+            Texture::Affine(affine) => (affine.0.largest()? * affine.1 + affine.2).max_element(),
+            Texture::Product(both) => both.0.largest()? * both.1.largest()?,
+            Texture::Threshold(_) => 1.0,
+            Texture::Limited(inner) => inner.largest()?.clamp(0.0, 1.0),
+            Texture::MeshAttribute(_) => return None,
+        })
+    }
+}
+
+/// A colour as a reflectance.
+#[inline]
+fn limited(color: Rgb) -> Rgb {
+    color.clamp(Rgb::ZERO, Rgb::ONE)
+}
+
+#[inline]
+fn is_grey(color: Rgb) -> bool {
+    color.x == color.y && color.y == color.z
 }
 
 /// 1 if `value` is at least `threshold`, else 0.

@@ -12,6 +12,9 @@ pub struct Checkerboard {
     pub color1: Texture,
     /// Placement; a unit of the placed coordinates holds two squares a side.
     pub to_uv: UvTransform,
+    /// Where one number is asked for, the two values change places: Mitsuba 3's `eval_1` does so, and its
+    /// scenes are made by what they look like there.
+    pub swaps_numbers: bool,
 }
 
 /// Lines of one value on another (Mitsuba 0.x `gridtexture`).
@@ -28,21 +31,30 @@ pub struct Grid {
 }
 
 impl Checkerboard {
-    /// Which of the two textures covers the texture coordinates.
+    /// Whether the texture coordinates lie in a square like that at the origin.
     #[inline]
-    pub fn at(&self, uv: Vec2) -> &Texture {
+    fn is_first(&self, uv: Vec2) -> bool {
         let uv = self.to_uv.0.transform_point2(uv);
         let inside = uv - uv.floor();
-        if (inside.x > 0.5) == (inside.y > 0.5) {
-            &self.color0
-        } else {
-            &self.color1
-        }
+        (inside.x > 0.5) == (inside.y > 0.5)
     }
 
     /// The value at a point.
     pub fn eval(&self, point: &SurfacePoint) -> Rgb {
-        self.at(point.uv).eval(point)
+        if self.is_first(point.uv) {
+            self.color0.eval(point)
+        } else {
+            self.color1.eval(point)
+        }
+    }
+
+    /// The value at a point as one number.
+    pub fn eval_scalar(&self, point: &SurfacePoint) -> f32 {
+        if self.is_first(point.uv) != self.swaps_numbers {
+            self.color0.eval_scalar(point)
+        } else {
+            self.color1.eval_scalar(point)
+        }
     }
 }
 
@@ -79,11 +91,20 @@ mod tests {
             color0: constant(0.0),
             color1: constant(1.0),
             to_uv: UvTransform(glam::Affine2::IDENTITY),
+            swaps_numbers: false,
+        };
+        let swapping = Checkerboard {
+            swaps_numbers: true,
+            ..board.clone()
         };
         for (x, y) in [(-3, 2), (0, 0), (1, 0), (5, -4), (-1, -1)] {
             let uv = Vec2::new(x as f32 * 0.5 + 0.25, y as f32 * 0.5 + 0.25);
+            let point = SurfacePoint::at_uv(uv);
             let expected = ((x + y) & 1) as f32;
-            assert_eq!(board.eval(&SurfacePoint::at_uv(uv)).x, expected, "{x} {y}");
+            assert_eq!(board.eval(&point).x, expected, "{x} {y}");
+            assert_eq!(board.eval_scalar(&point), expected, "{x} {y}");
+            assert_eq!(swapping.eval(&point).x, expected, "{x} {y}");
+            assert_eq!(swapping.eval_scalar(&point), 1.0 - expected, "{x} {y}");
         }
     }
 

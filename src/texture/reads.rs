@@ -31,6 +31,7 @@ impl Texture {
                 both.1.add_reads(reads);
             }
             Texture::Threshold(step) => step.0.add_reads(reads),
+            Texture::Limited(inner) => inner.add_reads(reads),
             Texture::MeshAttribute(name) => {
                 reads.attributes.insert(name.clone());
             }

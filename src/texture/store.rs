@@ -12,6 +12,7 @@ use super::bitmap::{Bitmap, Texels};
 use super::load::Plan;
 use super::{BitmapSettings, Texture};
 use crate::image::ImageError;
+use crate::image::decoded::DecodeLimit;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -39,6 +40,7 @@ struct Opened {
 pub struct TextureStore {
     budget: usize,
     halves: bool,
+    limit: DecodeLimit,
     resident: AtomicUsize,
     spilled: AtomicUsize,
     spilled_bytes: AtomicUsize,
@@ -53,6 +55,7 @@ impl TextureStore {
         Self {
             budget: memory_bytes,
             halves: false,
+            limit: DecodeLimit::default(),
             resident: AtomicUsize::new(0),
             spilled: AtomicUsize::new(0),
             spilled_bytes: AtomicUsize::new(0),
@@ -66,6 +69,11 @@ impl TextureStore {
     /// are no colours, such as heights, keep their bits.
     pub fn in_halves(self, halves: bool) -> Self {
         Self { halves, ..self }
+    }
+
+    /// The same, with another limit on what a file may grow to.
+    pub fn with_limit(self, limit: DecodeLimit) -> Self {
+        Self { limit, ..self }
     }
 
     /// Opens an image texture. An error names the file.
@@ -130,6 +138,7 @@ impl TextureStore {
         let mut plan = Plan::new(settings)?;
         plan.halves = self.halves;
         let bytes = plan.bytes();
+        plan.file.check(self.limit, bytes as u64)?;
         if self.reserve(bytes, self.limit_for(&plan)) {
             let texels = plan.read(false);
             if texels.is_err() {

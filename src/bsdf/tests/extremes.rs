@@ -3,7 +3,7 @@
 
 use super::models::{DELTA, SMOOTH, beckmann, clear, facets, ggx, glass, gold, grey, plastic};
 use super::{of_material, resolved};
-use crate::bsdf::material::{Distribution, Material, white};
+use crate::bsdf::material::{Distribution, Material, Turning, white};
 use crate::bsdf::{Bsdf, Transport};
 use crate::math::{Rgb, Vec2, Vec3};
 
@@ -124,6 +124,7 @@ fn extreme_parameters_are_finite() {
             let inner = materials.push(plastic(true));
             let id = materials.push(Material::NormalMap {
                 normals: super::models::rgb(scale, 0.5, 0.5 * scale),
+                turning: Turning::default(),
                 inner,
             });
             super::at_flat_point(&materials, id, wo)

@@ -3,7 +3,7 @@
 
 use super::models::{facets, gold};
 use super::resolved;
-use crate::bsdf::material::Distribution;
+use crate::bsdf::material::{Distribution, Turning};
 use crate::bsdf::perturb::{Perturbation, bumped_normal};
 use crate::bsdf::plain::Form;
 use crate::bsdf::tree::Node;
@@ -73,7 +73,10 @@ fn bump_maps_agree() {
                 panic!("a conductor is a tree");
             };
             let inner = tree.root();
-            let root = tree.push(Node::Perturbed(Perturbation::new(n, wo), inner));
+            let root = tree.push(Node::Perturbed(
+                Perturbation::new(n, wo, Turning::default()),
+                inner,
+            ));
             tree.eval_pdf(root, wo, wi, Transport::Radiance)
         });
         assert!(value < 1e-3 && pdf < 1e-3, "{gradient}: {value} {pdf}");

@@ -2,8 +2,8 @@
 //! and those that only exist here and in Mitsuba 0.6.
 
 use crate::bsdf::material::{
-    Distribution, Material, MetallicRoughness, Principled, PrincipledThin, Roughness, WardVariant,
-    white,
+    Distribution, Material, MetallicRoughness, Principled, PrincipledThin, Roughness, Turning,
+    WardVariant, white,
 };
 use crate::bsdf::{MaterialId, Materials};
 use crate::math::Rgb;
@@ -266,6 +266,7 @@ pub(super) fn add(materials: &mut Materials, name: &str) -> MaterialId {
         },
         "normal_map" => Material::NormalMap {
             normals: rgb(0.65, 0.42, 0.9),
+            turning: Turning::default(),
             inner: inner("rough_conductor_anisotropic"),
         },
         "two_sided" => {

@@ -25,6 +25,12 @@ pub struct Info {
     pub type_: i32,
     pub tile_height: i32,
     pub attributes: i32,
+    pub x: i32,
+    pub y: i32,
+    pub full_x: i32,
+    pub full_y: i32,
+    pub full_width: i32,
+    pub full_height: i32,
     pub format: *const c_char,
 }
 

@@ -1,7 +1,7 @@
 //! Reading through OpenImageIO's `ImageInput`.
 
 use super::{Reason, c_path, copied, ffi, type_number};
-use crate::image::file::{Header, Level};
+use crate::image::file::{Header, Level, Window};
 use crate::image::{Attribute, AttributeValue, Channel, PixelType};
 use std::path::Path;
 use std::ptr::{self, NonNull};
@@ -58,6 +58,12 @@ impl Input {
             type_: 0,
             tile_height: 0,
             attributes: 0,
+            x: 0,
+            y: 0,
+            full_x: 0,
+            full_y: 0,
+            full_width: 0,
+            full_height: 0,
             format: ptr::null(),
         };
         // SAFETY: the input is open, `info` outlives the call.
@@ -88,11 +94,21 @@ impl Input {
             copied(name)
         };
         let channels = (0..info.channels).map(|c| Channel::new(name(c))).collect();
+        let level = Level {
+            width: info.width as u32,
+            height: info.height as u32,
+        };
+        let whole = Level {
+            width: info.full_width.max(0) as u32,
+            height: info.full_height.max(0) as u32,
+        };
+        let at = [
+            info.x.saturating_sub(info.full_x),
+            info.y.saturating_sub(info.full_y),
+        ];
         Ok(Header {
-            level: Level {
-                width: info.width as u32,
-                height: info.height as u32,
-            },
+            level,
+            window: Window::of(level, at, whole),
             channels,
             pixel_type,
             tile_height: info.tile_height.max(0) as u32,

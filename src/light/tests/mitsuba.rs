@@ -2,7 +2,9 @@
 
 use super::scenes::*;
 use super::*;
+use crate::image::decoded::DecodeLimit;
 use crate::texture::{Checkerboard, UvTransform};
+use std::path::Path;
 
 /// The numbers of every line that starts with `name`.
 fn lines(name: &str) -> Vec<Vec<f32>> {
@@ -19,14 +21,17 @@ fn vec3(v: &[f32]) -> Vec3 {
     Vec3::from_slice(v)
 }
 
+fn read(path: &Path) -> EnvironmentImage {
+    EnvironmentImage::read(path, None, DecodeLimit::default()).unwrap()
+}
+
 fn environment() -> Lights {
     let turn = &lines("turn")[0];
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/vectors/environment.exr");
     let map = Emitter::EnvironmentMap {
-        path: path.into(),
+        image: Arc::new(read(path.as_ref())),
         scale: 2.0,
         to_world: Affine3A::from_mat3(Mat3::from_cols_slice(turn)),
-        gamma: None,
     };
     setup(vec![], vec![map]).lights
 }
@@ -121,6 +126,7 @@ fn spots_and_projectors() {
         color0: grey(0.1),
         color1: grey(0.9),
         to_uv: UvTransform(glam::Affine2::IDENTITY),
+        swaps_numbers: false,
     };
     compare(
         "check",
@@ -144,7 +150,7 @@ fn spots_and_projectors() {
     );
 }
 
-/// Texels that are no light are counted and dark; the rest of the map shines as if they were black.
+/// Texels that are no light are told of and dark; what is infinite is the brightest number of the file.
 #[test]
 fn texels_that_are_no_light() {
     let file = tempfile::Builder::new().suffix(".exr").tempfile().unwrap();
@@ -154,14 +160,19 @@ fn texels_that_are_no_light() {
         (v, 0.5f32, 0.25f32)
     };
     exr::prelude::write_rgb_file(file.path(), 8, 6, texel).unwrap();
+    let image = read(file.path());
+    let all = image.oddities().join("\n");
+    assert!(all.contains("2 values are negative"), "{all}");
+    assert!(
+        all.contains("1 texels are infinite") && all.contains("count as 0.5"),
+        "{all}"
+    );
     let map = Emitter::EnvironmentMap {
-        path: file.path().into(),
+        image: Arc::new(image),
         scale: 1.0,
         to_world: Affine3A::IDENTITY,
-        gamma: None,
     };
     let lights = setup(vec![], vec![map]).lights;
-    assert_eq!(lights.rejected_texels(), 3);
     let mut rng = Pcg32::new(2, 2);
     for _ in 0..20_000 {
         let u = [(); 3].map(|()| rng.next_f32());
@@ -170,14 +181,57 @@ fn texels_that_are_no_light() {
         let radiance = lights.radiance(&s.incoming);
         assert!(radiance.cmpge(Rgb::ZERO).all() && radiance.max_element() <= 0.5);
     }
-    let missing = Emitter::EnvironmentMap {
-        path: "no such map.exr".into(),
-        scale: 1.0,
-        to_world: Affine3A::IDENTITY,
-        gamma: None,
+    let missing = EnvironmentImage::read("no such map.exr".as_ref(), None, DecodeLimit::default());
+    assert!(missing.unwrap_err().to_string().contains("no such map.exr"));
+}
+
+/// A sun beyond the range of half floats is as bright as they can say, and not dark.
+#[test]
+fn a_clipped_sun_shines() {
+    let file = tempfile::Builder::new().suffix(".exr").tempfile().unwrap();
+    let half = half::f16::from_f32;
+    let texel = |x: usize, y: usize| {
+        let sun = if (x, y) == (5, 2) {
+            f32::INFINITY
+        } else {
+            0.25
+        };
+        (half(sun), half(sun), half(0.25))
     };
-    let error = Lights::build(vec![missing], &[], BOUNDS, BOUNDS).unwrap_err();
-    assert!(error.to_string().contains("no such map.exr"));
+    exr::prelude::write_rgb_file(file.path(), 16, 8, texel).unwrap();
+    let image = read(file.path());
+    let all = image.oddities().join("\n");
+    assert!(
+        all.contains("1 texels are infinite") && all.contains("65504"),
+        "{all}"
+    );
+    let map = image.into_map(1.0, &Affine3A::IDENTITY).unwrap();
+    let brightest = map.integral();
+    assert!(brightest.x > 1000.0 && brightest.z < 10.0, "{brightest}");
+}
+
+/// A file that holds a part of its picture lights that part: the rest is black, and nothing is moved.
+#[test]
+fn a_data_window_has_its_place_in_the_picture() {
+    use exr::prelude::*;
+    let file = tempfile::Builder::new().suffix(".exr").tempfile().unwrap();
+    // Rows 1 and 2 and columns 3 to 6 of a picture of 8 by 6, and one column beyond the edge in another.
+    for (start, size, seen) in [((3, 1), (4, 2), 8), ((-1, 0), (4, 6), 18)] {
+        let channels = SpecificChannels::rgb(|_: Vec2<usize>| (1.0f32, 1.0f32, 1.0f32));
+        let mut attributes = LayerAttributes::default();
+        attributes.layer_position = Vec2(start.0, start.1);
+        let layer = Layer::new(size, attributes, Encoding::FAST_LOSSLESS, channels);
+        let window = IntegerBounds::from_dimensions((8, 6));
+        Image::empty(ImageAttributes::new(window))
+            .with_layer(layer)
+            .write()
+            .to_file(file.path())
+            .unwrap();
+        let image = self::read(file.path());
+        let all = image.oddities().join("\n");
+        assert!(all.contains("of a picture of 8 x 6"), "{all}");
+        assert_eq!(image.lit(), seen, "{start:?}");
+    }
 }
 
 /// The ends of the random numbers' range give light like any other.

@@ -50,7 +50,7 @@ pub fn setup(shapes: Vec<(EmitterShape, Texture)>, others: Vec<Emitter>) -> Setu
     of_emitter.extend(others.iter().map(|_| None));
     emitters.extend(others);
     Setup {
-        lights: Lights::build(emitters, &shapes, BOUNDS, BOUNDS).unwrap(),
+        lights: Lights::build(emitters, &shapes, BOUNDS, BOUNDS),
         shapes,
         of_emitter,
     }

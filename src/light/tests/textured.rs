@@ -10,6 +10,7 @@ fn checkered() -> Texture {
         color0: grey(0.5),
         color1: grey(4.0),
         to_uv: UvTransform(glam::Affine2::from_scale(Vec2::new(3.0, 2.0))),
+        swaps_numbers: false,
     }))
 }
 

@@ -4,7 +4,8 @@ use super::Sweep;
 use super::analysis::Findings;
 use crate::image::Image;
 use crate::image::curve::linear_to_srgb;
-use crate::image::metrics::{Pair, flip, views, ztest};
+use crate::image::metrics::blocks::KnownNoise;
+use crate::image::metrics::{Pair, flip, views};
 use crate::math::Rgb;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -100,7 +101,7 @@ fn names(sweep: &Sweep, findings: &Findings) -> Vec<String> {
 
 /// The error that an image has by itself, as its variance layer tells: relMSE without the worst pixels.
 pub fn own_error(image: &Image) -> Option<f64> {
-    let variances = ztest::variance_of(image)?;
+    let variances = KnownNoise::of(image)?.variance;
     let colors = image.rgb();
     let relative = colors.iter().zip(&variances).map(|(c, v)| {
         let sum: f32 = (0..3).map(|i| v[i] / (c[i] * c[i] + 0.01)).sum();

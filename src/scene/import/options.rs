@@ -3,6 +3,7 @@
 use super::ImportError;
 use super::mesh::{self, Loaded, MeshKind, MeshOptions};
 use crate::image::ImageError;
+use crate::image::decoded::DecodeLimit;
 use crate::texture::{BitmapSettings, Texture, TextureStore};
 use std::path::Path;
 use std::sync::Arc;
@@ -27,12 +28,14 @@ pub type LoadMesh = fn(&Path, MeshKind, &MeshOptions) -> Result<Loaded, ImportEr
 pub struct ImportOptions {
     /// Values of `$name` in the scene (`-D name=value`); they win over the scene's own defaults.
     pub defines: Vec<(String, String)>,
-    /// Go on without missing meshes and textures, with a warning for each.
+    /// Go on without what is missing or wrong, with a warning for each that says what takes its place.
     pub lenient: bool,
     /// Where image textures come from.
     pub textures: Arc<dyn OpenTexture>,
     /// How mesh files are read.
     pub load_mesh: LoadMesh,
+    /// How much a file may grow when it is decoded.
+    pub decode: DecodeLimit,
 }
 
 impl ImportOptions {
@@ -43,6 +46,7 @@ impl ImportOptions {
             lenient: false,
             textures,
             load_mesh: mesh::load,
+            decode: DecodeLimit::default(),
         }
     }
 }

@@ -14,6 +14,7 @@ use super::primitive::{ALPHA, COLOR};
 use super::schema::{self, TextureInfo};
 use super::textures::{Use, bent_normals, uv_set};
 use super::{Importer, error};
+use crate::bsdf::material::Turning;
 use crate::bsdf::{Material, MaterialId};
 use crate::math::Rgb;
 use crate::scene::import::ImportError;
@@ -153,7 +154,11 @@ impl Importer<'_> {
             if let Some(normals) = self.texture(info, Use::Vector)? {
                 let scale = info.scale.unwrap_or(1.0);
                 let normals = bent_normals(normals, scale, variant.mirrored);
-                id = self.push(Material::NormalMap { normals, inner: id });
+                id = self.push(Material::NormalMap {
+                    normals,
+                    turning: Turning::default(),
+                    inner: id,
+                });
             }
         }
         if !transmits {

@@ -37,12 +37,14 @@ pub(super) fn finish(mut raw: Raw, options: &MeshOptions) -> Result<Loaded, Unus
     let mut warnings = std::mem::take(&mut raw.warnings);
     check_size(&raw, options)?;
     check_positions(&mut raw, options, &mut warnings)?;
+    // What has no area is not seen, with or without it; a file without any triangle is a mistake.
+    let had_triangles = !raw.triangles.is_empty();
     drop_degenerate(&mut raw, &mut warnings);
     drop_repeated(&mut raw, &mut warnings);
     repair_values(&mut raw, &mut warnings);
     if raw.triangles.is_empty() {
         let message = "the mesh has no triangle with an area";
-        if !options.lenient {
+        if !options.lenient && !had_triangles {
             return Err(Unusable {
                 message: message.into(),
                 help: Some("remove the shape from the scene, or export the mesh again"),

@@ -28,7 +28,8 @@ mod tests;
 mod text;
 
 use super::{ImportError, encoding};
-use crate::image::mapped;
+use crate::image::decoded::DecodeLimit;
+use crate::image::{foreign, mapped};
 use crate::math::{DAffine3, DVec3, Vec2, Vec3};
 use crate::scene::description::Mesh;
 use crate::texture::MeshAttribute;
@@ -58,6 +59,8 @@ pub struct MeshOptions {
     /// Of an OBJ file, keep which material each face has: as the attribute [`FACE_MATERIAL`] and
     /// [`Loaded::face_materials`].
     pub face_materials: bool,
+    /// Most bytes that what is compressed in a file may unpack to.
+    pub decoded_limit: u64,
 }
 
 /// Name of the attribute of faces that numbers their materials.
@@ -83,6 +86,7 @@ impl Default for MeshOptions {
             shape_index: 0,
             lenient: false,
             face_materials: false,
+            decoded_limit: DecodeLimit::default().bytes,
         }
     }
 }
@@ -180,6 +184,14 @@ fn raw(
     options: &MeshOptions,
     path: &Path,
 ) -> Result<Raw, ImportError> {
+    if let Some(foreign) = foreign::by_head(data) {
+        return Err(ImportError {
+            at: None,
+            file: Some(path.to_owned()),
+            message: format!("is no mesh but {}", foreign.what),
+            help: Some(foreign.help.into()),
+        });
+    }
     let is_text = matches!(kind, MeshKind::Obj | MeshKind::Ply);
     if let Some(wrong) = encoding::wide(data).filter(|_| is_text) {
         return Err(Fault::new(0, wrong).in_text(data, path));

@@ -6,6 +6,7 @@
 //! version 3, then their number in 32 bits. All little endian.
 
 use super::{Fault, MeshOptions, Raw, place};
+use crate::image::decoded::DecodeLimit;
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::texture::MeshAttribute;
 use flate2::read::ZlibDecoder;
@@ -41,7 +42,26 @@ pub(super) fn read(data: &[u8], options: &MeshOptions) -> Result<Raw, Fault> {
     };
     let vertices = stream.count("number of vertices")?;
     let triangles = stream.count("number of triangles")?;
+    let decoded = decoded_bytes(flags, vertices, triangles);
+    let what = format!("a mesh of {vertices} vertices and {triangles} triangles");
+    let limit = DecodeLimit {
+        bytes: options.decoded_limit,
+    };
+    limit
+        .check(&what, decoded, data.len() as u64)
+        .map_err(|why| stream.fault(why))?;
     stream.vertices(flags, precision, [vertices, triangles], options)
+}
+
+/// Bytes that a mesh of so many vertices and triangles takes in memory.
+fn decoded_bytes(flags: u32, vertices: usize, triangles: usize) -> u64 {
+    let normals = if flags & FACE_NORMALS == 0 { 12 } else { 0 };
+    let uvs = if flags & HAS_TEXCOORDS != 0 { 8 } else { 0 };
+    let colors = if flags & HAS_COLORS != 0 { 12 } else { 0 };
+    let of_vertex = 12 + normals + uvs + colors;
+    (vertices as u64)
+        .saturating_mul(of_vertex)
+        .saturating_add((triangles as u64).saturating_mul(12))
 }
 
 fn bytes<const N: usize>(data: &[u8], at: usize) -> Option<[u8; N]> {

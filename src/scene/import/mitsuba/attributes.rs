@@ -131,8 +131,13 @@ impl Reader {
                 at: child.at,
                 children: Vec::new(),
             };
-            let step = transform::step(&child).map_err(|m| self.document.error(child.at, m))?;
-            whole = step * whole;
+            match transform::step(&child) {
+                Ok(step) => whole = step * whole,
+                Err(message) => {
+                    let error = self.document.error(child.at, message);
+                    self.document.faults.add(child.at, error, "it is left out");
+                }
+            }
         }
         Ok(whole)
     }

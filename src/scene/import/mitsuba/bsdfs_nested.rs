@@ -4,6 +4,7 @@ use super::importer::Importer;
 use super::params::Params;
 use super::textures::Role;
 use super::value;
+use crate::bsdf::material::Turning;
 use crate::bsdf::{Material, MaterialId};
 use crate::scene::import::ImportError;
 use crate::texture::Texture;
@@ -13,7 +14,7 @@ impl<'a> Importer<'a> {
     pub fn nested_material(&mut self, p: &Params<'a>) -> Result<Material, ImportError> {
         match p.plugin() {
             "mask" => Ok(Material::Mask {
-                opacity: self.texture(p, "opacity", 0.5, Role::Reflectance)?,
+                opacity: self.texture(p, "opacity", 0.5, Role::Reflectance),
                 inner: self.inner(p)?,
             }),
             "twosided" => self.two_sided(p),
@@ -27,7 +28,7 @@ impl<'a> Importer<'a> {
     }
 
     /// All nested materials, in order.
-    fn inners(&mut self, p: &Params<'a>) -> Result<Vec<MaterialId>, ImportError> {
+    fn inners(&mut self, p: &Params<'a>) -> Vec<MaterialId> {
         let children = p.children("bsdf");
         children
             .iter()
@@ -38,13 +39,13 @@ impl<'a> Importer<'a> {
     /// The one nested material.
     fn inner(&mut self, p: &Params<'a>) -> Result<MaterialId, ImportError> {
         match p.child("bsdf")? {
-            Some(index) => self.bsdf(index),
+            Some(index) => Ok(self.bsdf(index)),
             None => Err(p.error(format!("\"{}\" needs a <bsdf> inside", p.plugin()))),
         }
     }
 
     fn two_sided(&mut self, p: &Params<'a>) -> Result<Material, ImportError> {
-        let inner = self.inners(p)?;
+        let inner = self.inners(p);
         let (front, back) = match *inner.as_slice() {
             [both] => (both, both),
             [front, back] => (front, back),
@@ -84,37 +85,55 @@ impl<'a> Importer<'a> {
         }
     }
 
-    /// The nested texture, whatever its name.
-    fn nested_texture(&mut self, p: &Params<'a>) -> Result<Texture, ImportError> {
-        match p.child("texture")? {
-            Some(index) => self.texture_object(index, Role::Number),
+    /// The parameter `name`, be it a texture, a spectrum or a colour; or the nested texture, whatever its
+    /// name.
+    fn nested_texture(
+        &mut self,
+        p: &Params<'a>,
+        name: &'static str,
+    ) -> Result<Texture, ImportError> {
+        if let Some(texture) = self.texture_given(p, name, Role::Number) {
+            return Ok(texture);
+        }
+        match p.child("texture")?.or(p.child("spectrum")?) {
+            Some(index) => Ok(self.texture_object(index, Role::Number)),
             None => Err(p.error(format!("\"{}\" needs a <texture> inside", p.plugin()))),
+        }
+    }
+
+    /// What is done about normals that are turned too far.
+    fn turning(&self, p: &Params<'a>) -> Turning {
+        let default = Turning::default();
+        Turning {
+            mirrors: p.boolean("flip_invalid_normals", default.mirrors),
+            shadows: p.boolean("use_shadowing_function", default.shadows),
         }
     }
 
     fn bump_map(&mut self, p: &Params<'a>) -> Result<Material, ImportError> {
         Ok(Material::BumpMap {
-            displacement: self.nested_texture(p)?,
-            scale: p.float("scale", 1.0)? as f32,
+            displacement: self.nested_texture(p, "displacement")?,
+            scale: p.float("scale", 1.0) as f32,
+            turning: self.turning(p),
             inner: self.inner(p)?,
         })
     }
 
     fn normal_map(&mut self, p: &Params<'a>) -> Result<Material, ImportError> {
-        p.ignore(&["flip_invalid_normals", "use_shadowing_function"]);
         Ok(Material::NormalMap {
-            normals: self.nested_texture(p)?,
+            normals: self.nested_texture(p, "normalmap")?,
+            turning: self.turning(p),
             inner: self.inner(p)?,
         })
     }
 
     fn blend(&mut self, p: &Params<'a>) -> Result<Material, ImportError> {
-        let weight = match self.texture_given(p, "weight", Role::Reflectance)? {
+        let weight = match self.texture_given(p, "weight", Role::Reflectance) {
             Some(weight) => weight,
             // The texture may be anonymous.
-            None => self.nested_texture(p)?,
+            None => self.nested_texture(p, "weight")?,
         };
-        match *self.inners(p)?.as_slice() {
+        match *self.inners(p).as_slice() {
             [first, second] => Ok(Material::Blend {
                 weight,
                 first,
@@ -125,10 +144,10 @@ impl<'a> Importer<'a> {
     }
 
     fn mixture(&mut self, p: &Params<'a>) -> Result<Material, ImportError> {
-        let text = p.text("weights")?.unwrap_or_default();
+        let text = p.text("weights").unwrap_or_default();
         let at = p.place_of("weights");
         let mut weights = value::numbers(text).map_err(|m| self.document.error(at, m))?;
-        let inner = self.inners(p)?;
+        let inner = self.inners(p);
         if weights.len() != inner.len() || weights.is_empty() {
             let (w, b) = (weights.len(), inner.len());
             let message = format!("\"mixturebsdf\" has {w} weights for {b} <bsdf>s");
@@ -155,10 +174,10 @@ impl<'a> Importer<'a> {
     }
 
     fn coating(&mut self, p: &Params<'a>) -> Result<Material, ImportError> {
-        let eta = self.relative_ior(p, "bk7")?;
-        let thickness = p.float_in("thickness", 1.0, 0.0..=f64::from(f32::MAX))? as f32;
-        let sigma_a = self.texture(p, "sigma_a", 0.0, Role::Number)?;
-        let specular_reflectance = self.specular(p)?;
+        let eta = self.relative_ior(p, "bk7");
+        let thickness = p.float_in("thickness", 1.0, 0.0..=f64::from(f32::MAX)) as f32;
+        let sigma_a = self.texture(p, "sigma_a", 0.0, Role::Number);
+        let specular_reflectance = self.specular(p);
         if p.plugin() == "coating" {
             return Ok(Material::Coating {
                 eta,
@@ -170,7 +189,7 @@ impl<'a> Importer<'a> {
         }
         Ok(Material::RoughCoating {
             eta,
-            roughness: self.roughness(p)?,
+            roughness: self.roughness(p),
             thickness,
             sigma_a,
             specular_reflectance,

@@ -1,22 +1,26 @@
 //! `$name` in attribute values: `<default>`s of the scene and definitions from the command line.
 
 use super::names;
+use std::collections::{BTreeSet, HashMap};
 
 /// The longest text a substitution may give: defaults that name each other can double in length each.
 const MAX_LENGTH: usize = 1 << 20;
 
 #[derive(Debug)]
 struct Define {
-    name: String,
     value: String,
     from_scene: bool,
     used: bool,
 }
 
-/// All names known so far, longest first: of `$ab` and `$a`, `$abc` means the longer.
+/// All names known so far. Of `$ab` and `$a`, `$abc` means the longer.
 #[derive(Debug, Default)]
 pub(super) struct Defines {
-    list: Vec<Define>,
+    by_name: HashMap<String, Define>,
+    /// Lengths that names have, in bytes.
+    lengths: BTreeSet<usize>,
+    /// Names without a value that were asked for.
+    missed: usize,
 }
 
 impl Defines {
@@ -30,17 +34,23 @@ impl Defines {
     }
 
     fn add(&mut self, name: &str, value: &str, from_scene: bool) {
-        if self.list.iter().any(|d| d.name == name) {
+        if self.by_name.contains_key(name) {
             return;
         }
-        let place = self.list.partition_point(|d| d.name.len() >= name.len());
+        self.lengths.insert(name.len());
         let define = Define {
-            name: name.to_owned(),
             value: value.to_owned(),
             from_scene,
             used: false,
         };
-        self.list.insert(place, define);
+        self.by_name.insert(name.to_owned(), define);
+    }
+
+    /// The longest name that `text` begins with.
+    fn named<'t>(&self, text: &'t str) -> Option<&'t str> {
+        let lengths = self.lengths.iter().rev();
+        let mut candidates = lengths.filter_map(|&length| text.get(..length));
+        candidates.find(|name| self.by_name.contains_key(*name))
     }
 
     /// A `<default>`: counts only if the name has no value yet.
@@ -61,13 +71,15 @@ impl Defines {
                 continue;
             }
             out.push_str(before);
-            let found = self.list.iter_mut().find(|d| after.starts_with(&d.name));
-            let Some(define) = found else {
+            let found = self.named(after);
+            let Some(name) = found else {
                 return Err(self.undefined(after));
             };
-            define.used = true;
-            out.push_str(&define.value);
-            rest = &after[define.name.len()..];
+            if let Some(define) = self.by_name.get_mut(name) {
+                define.used = true;
+                out.push_str(&define.value);
+            }
+            rest = &after[name.len()..];
             if out.len() > MAX_LENGTH {
                 return Err("the values put in for $names are longer than 1 MiB".into());
             }
@@ -76,10 +88,15 @@ impl Defines {
         Ok(out)
     }
 
-    fn undefined(&self, after: &str) -> String {
+    fn undefined(&mut self, after: &str) -> String {
+        self.missed += 1;
         let is_name = |c: char| c.is_alphanumeric() || c == '_';
         let name = after.split(|c| !is_name(c)).next().unwrap_or("");
-        let known = self.list.iter().map(|d| d.name.as_str());
+        // The order of a hash map is not the same twice; messages should be.
+        let mut known: Vec<&str> = self.by_name.keys().map(String::as_str).collect();
+        known.sort_unstable();
+        // A hint costs a comparison with every name: a file full of mistakes gets some.
+        known.truncate(if self.missed > 100 { 0 } else { known.len() });
         let hint = names::nearest(name, known)
             .map(|n| format!(" (did you mean ${n}?)"))
             .unwrap_or_default();
@@ -87,9 +104,14 @@ impl Defines {
     }
 
     /// Definitions from the command line that nothing asked for.
-    pub fn unused(&self) -> impl Iterator<Item = &str> {
-        let unused = self.list.iter().filter(|d| !d.used && !d.from_scene);
-        unused.map(|d| d.name.as_str())
+    pub fn unused(&self) -> Vec<&str> {
+        let unused = self
+            .by_name
+            .iter()
+            .filter(|(_, d)| !d.used && !d.from_scene);
+        let mut names: Vec<&str> = unused.map(|(name, _)| name.as_str()).collect();
+        names.sort_unstable();
+        names
     }
 }
 
@@ -105,7 +127,7 @@ mod tests {
         d.add_default("file", "$spp");
         assert_eq!(d.substitute("a$spp-$s$spp"), Ok("a16-S16".into()));
         assert_eq!(d.substitute(r"5 \$spp"), Ok("5 $spp".into()));
-        assert_eq!(d.unused().collect::<Vec<_>>(), ["odd"]);
+        assert_eq!(d.unused(), ["odd"]);
         let error = d.substitute("$Spp").unwrap_err();
         assert!(error.contains("did you mean $spp?"), "{error}");
     }

@@ -2,6 +2,7 @@
 //!
 //! The [`super::reader`] fills it; here is what it holds and how messages about it are made.
 
+use super::faults::Faults;
 use super::value::{Dialect, Value};
 use super::xml::At;
 use crate::scene::import::{ImportError, Location};
@@ -44,10 +45,14 @@ pub(super) struct Document {
     pub objects: Vec<Object>,
     /// The files that places refer to.
     pub files: Vec<PathBuf>,
-    /// Directories to look for files in, besides the one of the file that asks.
+    /// Directories that `<path>` names, the last one first.
     pub search: Vec<PathBuf>,
     /// What was odd.
     pub warnings: Vec<String>,
+    /// What was wrong.
+    pub faults: Faults,
+    /// By object, whether a `<ref>` names it.
+    pub referred: Vec<bool>,
 }
 
 impl Document {
@@ -83,24 +88,47 @@ impl Document {
         }
     }
 
-    /// The file `name` that something at `at` asks for: as it is if absolute, else beside the asking file,
-    /// else in the search directories. Where nothing exists, the first candidate.
+    /// Whether a `<ref>` names object `index`.
+    pub fn is_referred_to(&self, index: usize) -> bool {
+        self.referred.get(index).copied().unwrap_or(false)
+    }
+
+    /// Whether a part of object `index` could not be read: what it lacks then is no mistake of its own.
+    pub fn is_broken(&self, index: usize) -> bool {
+        let properties = &self.objects[index].properties;
+        properties.iter().any(|p| matches!(p.value, Value::Broken))
+    }
+
+    /// The file `name` that something at `at` asks for. As in Mitsuba, what is not absolute is looked for in
+    /// the directories that `<path>` names, then beside the main file, also from within an included one;
+    /// only then beside the included one itself.
     pub fn resolve(&self, at: At, name: &str) -> PathBuf {
         let given = Path::new(name);
         if given.is_absolute() {
             return given.to_owned();
         }
-        let own = self.files.get(at.file).and_then(|f| f.parent());
-        let own = own.unwrap_or(Path::new("")).join(given);
-        if own.exists() {
-            return own;
-        }
-        let elsewhere = self.search.iter().map(|d| d.join(given));
-        elsewhere
-            .into_iter()
+        let own = self.beside(at.file).join(given);
+        let searched = self.search.iter().map(|d| d.join(given));
+        let mut candidates = searched.chain([self.beside(0).join(given), own.clone()]);
+        candidates
             .find(|p| p.exists())
             .or_else(|| with_slashes(name).map(|n| self.resolve(at, &n)))
             .unwrap_or(own)
+    }
+
+    /// The directory `name` of a `<path>` at `at`: beside its own file first, as in Mitsuba.
+    pub fn resolve_directory(&self, at: At, name: &str) -> PathBuf {
+        let own = self.beside(at.file).join(name);
+        if own.is_dir() {
+            return own;
+        }
+        self.resolve(at, name)
+    }
+
+    /// The directory of a file of the scene.
+    fn beside(&self, file: usize) -> &Path {
+        let directory = self.files.get(file).and_then(|f| f.parent());
+        directory.unwrap_or(Path::new(""))
     }
 }
 

@@ -8,10 +8,12 @@ use super::sun_position::{self, DateAndPlace};
 use super::textures::Role;
 use super::value::{Dialect, Value};
 use crate::camera::FovAxis;
-use crate::light::{Emitter, SunSky};
+use crate::image::file::{ImageFile, Level};
+use crate::light::{Emitter, EnvironmentImage, SunSky};
 use crate::math::{DAffine3, DVec3, Rgb};
 use crate::scene::import::ImportError;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Diameter of the sun's disk seen from the earth, degrees, where a scene says nothing. Both dialects' value.
 const SUN_DIAMETER_DEGREES: f64 = 0.5358;
@@ -26,14 +28,14 @@ impl<'a> Importer<'a> {
             "spot" => self.spot(&params)?,
             "directional" => self.directional(&params)?,
             "constant" => {
-                let radiance = self.color(&params, "radiance", Role::Light)?;
+                let radiance = self.color(&params, "radiance", Role::Light);
                 let radiance = radiance.unwrap_or(Rgb::ONE);
                 Emitter::Constant { radiance }
             }
             "envmap" => self.environment_map(&params)?,
             "sun" | "sky" | "sunsky" => self.sun_sky(&params)?,
             "projector" => self.projector(&params)?,
-            _ => return Err(params.error("an area light belongs inside a <shape>")),
+            plugin => return Err(params.error(format!("emitter \"{plugin}\" is not known"))),
         };
         self.done(&params);
         self.emitters.push(emitter);
@@ -41,7 +43,7 @@ impl<'a> Importer<'a> {
     }
 
     fn point(&mut self, p: &Params<'a>) -> Result<Emitter, ImportError> {
-        let position = match (p.vector("position")?, p.transform("to_world")?) {
+        let position = match (p.vector("position"), p.transform("to_world")) {
             (Some(_), Some(_)) => {
                 return Err(p.error("give \"position\" or \"to_world\", not both"));
             }
@@ -51,7 +53,7 @@ impl<'a> Importer<'a> {
         let position = self
             .place(DAffine3::from_translation(position), None)
             .translation;
-        let intensity = self.color(p, "intensity", Role::Light)?;
+        let intensity = self.color(p, "intensity", Role::Light);
         Ok(Emitter::Point {
             position: position.as_vec3(),
             intensity: intensity.unwrap_or(Rgb::ONE),
@@ -59,12 +61,12 @@ impl<'a> Importer<'a> {
     }
 
     fn spot(&mut self, p: &Params<'a>) -> Result<Emitter, ImportError> {
-        let cutoff = p.float_in("cutoff_angle", 20.0, 0.0..=180.0)?;
-        let beam = p.float_in("beam_width", 0.75 * cutoff, 0.0..=cutoff)?;
-        let intensity = self.color(p, "intensity", Role::Light)?;
-        let texture = self.texture_given(p, "texture", Role::Number)?;
+        let cutoff = p.float_in("cutoff_angle", 20.0, 0.0..=180.0);
+        let beam = p.float_in("beam_width", 0.75 * cutoff, 0.0..=cutoff);
+        let intensity = self.color(p, "intensity", Role::Light);
+        let texture = self.texture_given(p, "texture", Role::Number);
         Ok(Emitter::Spot {
-            to_world: single(self.place(p.to_world()?, None)),
+            to_world: single(self.place(p.to_world(), None)),
             intensity: intensity.unwrap_or(Rgb::ONE),
             cutoff_degrees: cutoff as f32,
             beam_degrees: beam as f32,
@@ -73,7 +75,7 @@ impl<'a> Importer<'a> {
     }
 
     fn directional(&mut self, p: &Params<'a>) -> Result<Emitter, ImportError> {
-        let direction = match (p.vector("direction")?, p.transform("to_world")?) {
+        let direction = match (p.vector("direction"), p.transform("to_world")) {
             (Some(_), Some(_)) => {
                 return Err(p.error("give \"direction\" or \"to_world\", not both"));
             }
@@ -83,7 +85,7 @@ impl<'a> Importer<'a> {
         let Some(direction) = direction.try_normalize() else {
             return Err(p.error("the direction is zero"));
         };
-        let irradiance = self.color(p, "irradiance", Role::Light)?;
+        let irradiance = self.color(p, "irradiance", Role::Light);
         Ok(Emitter::Directional {
             direction: direction.as_vec3(),
             irradiance: irradiance.unwrap_or(Rgb::ONE),
@@ -93,48 +95,81 @@ impl<'a> Importer<'a> {
     fn environment_map(&mut self, p: &Params<'a>) -> Result<Emitter, ImportError> {
         // Caches and a denser sampling of bright parts are the renderer's business.
         p.ignore(&["cache", "mis_compensation"]);
-        let Some(name) = p.text("filename")? else {
+        let Some(name) = p.text("filename") else {
             return Err(p.error("an envmap needs a \"filename\""));
         };
         let at = p.place_of("filename");
         let path = self.document.resolve(at, name);
-        let scale = p.float("scale", 1.0)? as f32;
-        let to_world = single(p.to_world()?);
-        let gamma = p.number("gamma")?.filter(|g| *g > 0.0);
-        if path.exists() {
-            return Ok(Emitter::EnvironmentMap {
-                path,
-                scale,
-                to_world,
-                gamma: gamma.map(|g| g as f32),
-            });
+        let scale = p.float("scale", 1.0) as f32;
+        let to_world = single(p.to_world());
+        let gamma = p.number("gamma").filter(|g| *g > 0.0).map(|g| g as f32);
+        match self.environment(&path, gamma) {
+            Ok(image) => {
+                let place = self.document.location(at);
+                for oddity in image.oddities() {
+                    self.warn(format!("{place}: {}: {oddity}", path.display()));
+                }
+                Ok(Emitter::EnvironmentMap {
+                    image,
+                    scale,
+                    to_world,
+                })
+            }
+            Err(message) => {
+                let error = self.document.error(at, message);
+                let instead = "mid-grey takes its place";
+                self.document.faults.add(at, error, instead);
+                let radiance = Rgb::splat(0.5 * scale);
+                Ok(Emitter::Constant { radiance })
+            }
         }
-        let message = format!("there is no environment map {}", path.display());
-        if !self.options.lenient {
-            return Err(self.document.error(at, message));
+    }
+
+    /// The image around the scene in the file `path`, read once.
+    fn environment(
+        &mut self,
+        path: &Path,
+        gamma: Option<f32>,
+    ) -> Result<Arc<EnvironmentImage>, String> {
+        let key = (path.to_owned(), gamma.map(f32::to_bits));
+        if let Some(known) = self.environments.get(&key) {
+            return Ok(known.clone());
         }
-        let place = self.document.location(at);
-        self.warn(format!("{place}: {message}; mid-grey takes its place"));
-        let radiance = Rgb::splat(0.5 * scale);
-        Ok(Emitter::Constant { radiance })
+        if !path.exists() {
+            return Err(format!("there is no environment map {}", path.display()));
+        }
+        let image = EnvironmentImage::read(path, gamma, self.options.decode)
+            .map_err(|e| format!("cannot read the environment map {}: {}", e.path, e.reason))?;
+        let image = Arc::new(image);
+        self.environments.insert(key, image.clone());
+        Ok(image)
     }
 
     fn sun_sky(&mut self, p: &Params<'a>) -> Result<Emitter, ImportError> {
         let modern = p.dialect() == Dialect::Modern;
         // 0.x bakes the sky into an image of that resolution; here it is evaluated as it is.
-        p.ignore(&["resolution", "complex_sun", "extend"]);
-        let to_world = p.to_world()?;
+        p.ignore(&["resolution"]);
+        for (name, what) in [
+            ("extend", "the sky is not continued below the horizon"),
+            ("complex_sun", "the sun's disk is of one brightness"),
+        ] {
+            if p.boolean(name, false) {
+                let place = self.document.location(p.place_of(name));
+                self.warn(format!("{place}: \"{name}\" is left out: {what}"));
+            }
+        }
+        let to_world = p.to_world();
         let plugin = p.plugin();
-        let scale = p.float("scale", 1.0)?;
+        let scale = p.float("scale", 1.0);
         // In 0.x a separate scale takes the place of the common one.
         let (sun_scale, sky_scale) = match plugin {
-            "sunsky" => (p.float("sun_scale", scale)?, p.float("sky_scale", scale)?),
+            "sunsky" => (p.float("sun_scale", scale), p.float("sky_scale", scale)),
             _ => (scale, scale),
         };
-        let albedo = self.color(p, "albedo", Role::Reflectance)?;
-        let diameter = p.float_in("sun_aperture", SUN_DIAMETER_DEGREES, 0.0..=180.0)?;
-        let radius_scale = p.float_in("sun_radius_scale", 1.0, 0.0..=300.0)?;
-        let sun_direction = match p.vector("sun_direction")? {
+        let albedo = self.color(p, "albedo", Role::Reflectance);
+        let diameter = p.float_in("sun_aperture", SUN_DIAMETER_DEGREES, 0.0..=180.0);
+        let radius_scale = p.float_in("sun_radius_scale", 1.0, 0.0..=300.0);
+        let sun_direction = match p.vector("sun_direction") {
             Some(world) => to_world.inverse().transform_vector3(world),
             None => self.sun_from_date(p, modern)?,
         };
@@ -146,12 +181,12 @@ impl<'a> Importer<'a> {
                 sky: plugin != "sun",
                 sun: plugin != "sky",
                 sun_direction: sun_direction.as_vec3(),
-                turbidity: p.float_in("turbidity", 3.0, 1.0..=10.0)? as f32,
+                turbidity: p.float_in("turbidity", 3.0, 1.0..=10.0) as f32,
                 albedo: albedo.unwrap_or(Rgb::splat(if modern { 0.3 } else { 0.2 })),
                 sky_scale: sky_scale as f32,
                 sun_scale: sun_scale as f32,
                 sun_radius_degrees: (0.5 * diameter * radius_scale) as f32,
-                stretch: p.float_in("stretch", 1.0, 1.0..=2.0)? as f32,
+                stretch: p.float_in("stretch", 1.0, 1.0..=2.0) as f32,
                 z_up: modern,
             },
             scale: 1.0,
@@ -163,15 +198,15 @@ impl<'a> Importer<'a> {
     fn sun_from_date(&mut self, p: &Params<'a>, modern: bool) -> Result<DVec3, ImportError> {
         let tokyo = DateAndPlace::default();
         let when = DateAndPlace {
-            year: p.integer("year")?.unwrap_or(tokyo.year),
-            month: p.integer("month")?.unwrap_or(tokyo.month),
-            day: p.integer("day")?.unwrap_or(tokyo.day),
-            hour: p.float("hour", tokyo.hour)?,
-            minute: p.float("minute", tokyo.minute)?,
-            second: p.float("second", tokyo.second)?,
-            latitude: p.float_in("latitude", tokyo.latitude, -90.0..=90.0)?,
-            longitude: p.float_in("longitude", tokyo.longitude, -360.0..=360.0)?,
-            timezone: p.float_in("timezone", tokyo.timezone, -24.0..=24.0)?,
+            year: p.integer("year").unwrap_or(tokyo.year),
+            month: p.integer("month").unwrap_or(tokyo.month),
+            day: p.integer("day").unwrap_or(tokyo.day),
+            hour: p.float("hour", tokyo.hour),
+            minute: p.float("minute", tokyo.minute),
+            second: p.float("second", tokyo.second),
+            latitude: p.float_in("latitude", tokyo.latitude, -90.0..=90.0),
+            longitude: p.float_in("longitude", tokyo.longitude, -360.0..=360.0),
+            timezone: p.float_in("timezone", tokyo.timezone, -24.0..=24.0),
         };
         let sensible = (-4000..=9999).contains(&when.year) && (1..=12).contains(&when.month);
         if !sensible || !(1..=31).contains(&when.day) {
@@ -189,45 +224,40 @@ impl<'a> Importer<'a> {
     }
 
     fn projector(&mut self, p: &Params<'a>) -> Result<Emitter, ImportError> {
-        let aspect = self.slide_aspect(p)?;
-        let irradiance = self.texture(p, "irradiance", 1.0, Role::Light)?;
-        let (fov, axis) = sensors::field_of_view(self.document, p)?;
+        let aspect = self.slide_aspect(p);
+        let irradiance = self.texture(p, "irradiance", 1.0, Role::Light);
+        let (fov, axis) = sensors::field_of_view(p);
         Ok(Emitter::Projector {
-            to_world: single(self.place(p.to_world()?, None)),
+            to_world: single(self.place(p.to_world(), None)),
             irradiance,
-            scale: p.float("scale", 1.0)? as f32,
+            scale: p.float("scale", 1.0) as f32,
             fov_degrees: horizontal(fov, axis, aspect) as f32,
             aspect: aspect as f32,
         })
     }
 
     /// Width over height of the image that a projector shows; 1 for anything but an image.
-    fn slide_aspect(&mut self, p: &Params<'a>) -> Result<f64, ImportError> {
-        let Some(path) = self.slide(p)? else {
-            return Ok(1.0);
+    fn slide_aspect(&mut self, p: &Params<'a>) -> f64 {
+        let Some(path) = self.slide(p) else {
+            return 1.0;
         };
-        match crate::image::read(&path) {
-            Ok(image) if image.height > 0 => Ok(image.width as f64 / image.height as f64),
-            _ => {
-                let place = self.document.location(p.at());
-                self.warn(format!(
-                    "{place}: the slide's size is not known; it is taken to be square"
-                ));
-                Ok(1.0)
+        match ImageFile::open(&path) {
+            Ok(file) => {
+                let Level { width, height } = file.header().level;
+                f64::from(width) / f64::from(height)
             }
+            // That it cannot be read is told of the texture.
+            Err(_) => 1.0,
         }
     }
 
-    fn slide(&self, p: &Params<'a>) -> Result<Option<PathBuf>, ImportError> {
-        let Some(property) = p.find("irradiance") else {
-            return Ok(None);
-        };
-        let Value::Object(index) = property.value else {
-            return Ok(None);
+    fn slide(&self, p: &Params<'a>) -> Option<PathBuf> {
+        let Value::Object(index) = p.find("irradiance")?.value else {
+            return None;
         };
         let slide = Params::new(self.document, index);
         let name = slide.text("filename")?;
-        Ok(name.map(|n| self.document.resolve(slide.place_of("filename"), n)))
+        Some(self.document.resolve(slide.place_of("filename"), name))
     }
 }
 

@@ -8,28 +8,30 @@ use crate::scene::import::ImportError;
 pub(super) fn integrator<'a>(
     importer: &mut Importer<'a>,
     p: &Params<'a>,
+    index: usize,
 ) -> Result<(), ImportError> {
+    importer.step_into(index)?;
     let plugin = p.plugin();
     let render = &mut importer.render;
-    render.hide_emitters = p.boolean("hide_emitters", render.hide_emitters)?;
-    render.strict_normals = p.boolean("strict_normals", render.strict_normals)?;
+    render.hide_emitters = p.boolean("hide_emitters", render.hide_emitters);
+    render.strict_normals = p.boolean("strict_normals", render.strict_normals);
     if plugin == "direct" {
         // Emission, and light that arrives straight at the first surface. How many samples it shoots at
         // lights and along materials is not a question here.
         render.max_depth = Some(2);
         p.ignore(&["shading_samples", "emitter_samples", "bsdf_samples"]);
     }
-    if let Some(depth) = p.integer("max_depth")? {
+    if let Some(depth) = p.integer("max_depth") {
         render.max_depth = match depth {
             -1 => None,
-            _ => Some(p.count("max_depth", 0, 0)?),
+            _ => Some(p.count("max_depth", u32::MAX, 0)),
         };
     }
-    render.rr_depth = p.count("rr_depth", render.rr_depth, 1)?;
+    render.rr_depth = p.count("rr_depth", render.rr_depth, 1);
     let nested = p.children("integrator");
     for (_, inner) in &nested {
-        let inner = Params::new(importer.document, *inner);
-        integrator(importer, &inner)?;
+        let params = Params::new(importer.document, *inner);
+        integrator(importer, &params, *inner)?;
     }
     match plugin {
         "path" | "direct" => importer.done(p),

@@ -36,11 +36,9 @@ impl Request {
     }
 }
 
-/// Loads what the pending shapes ask for and makes shapes of them.
-pub(super) fn load_all(
-    importer: &mut Importer,
-    pending: Vec<PendingShape>,
-) -> Result<Vec<Shape>, ImportError> {
+/// Loads what the pending shapes ask for and makes shapes of them. What is missing or bad is told, and the
+/// shapes are left out.
+pub(super) fn load_all(importer: &mut Importer, pending: Vec<PendingShape>) -> Vec<Shape> {
     let mut unique: Vec<&Request> = Vec::new();
     let mut index_of = HashMap::new();
     for shape in &pending {
@@ -52,18 +50,17 @@ pub(super) fn load_all(
             unique.len() - 1
         });
     }
-    let missing: Vec<_> = unique.iter().filter(|r| !r.path.exists()).collect();
-    if !missing.is_empty() && !importer.options.lenient {
-        return Err(missing_error(importer, &missing));
-    }
     let load = importer.options.load_mesh;
     let loaded: Vec<Result<Loaded, ImportError>> = unique
         .par_iter()
-        .map(|r| load(&r.path, r.kind, &r.options))
+        .map(|r| match r.path.exists() {
+            true => load(&r.path, r.kind, &r.options),
+            false => Err(missing(r)),
+        })
         .collect();
     let mut meshes: Vec<Option<Arc<Mesh>>> = Vec::with_capacity(unique.len());
     for (result, request) in loaded.into_iter().zip(&unique) {
-        meshes.push(accept(importer, result, request)?.map(Arc::new));
+        meshes.push(accept(importer, result, request).map(Arc::new));
     }
     let geometries = pending.into_iter().map(|shape| {
         let geometry = match &shape.geometry {
@@ -76,63 +73,61 @@ pub(super) fn load_all(
         };
         (shape, geometry)
     });
-    Ok(place(importer, geometries.collect()))
+    place(importer, geometries.collect())
 }
 
-fn missing_error(importer: &Importer, missing: &[&&Request]) -> ImportError {
-    let list: Vec<String> = missing
-        .iter()
-        .map(|r| {
-            let place = importer.document.location(r.at);
-            format!("{}, asked for at {place}", r.path.display())
-        })
-        .collect();
-    let message = match list.as_slice() {
-        [one] => format!("there is no mesh {one}"),
-        many => format!(
-            "{} meshes are missing:\n    {}",
-            many.len(),
-            many.join("\n    ")
-        ),
-    };
-    let help = "restore the files, or go on without them with --lenient".to_owned();
-    let at = missing.first().map(|r| importer.document.location(r.at));
+/// The error of a file that is not there; its place is the shape's.
+fn missing(request: &Request) -> ImportError {
     ImportError {
-        at,
+        at: None,
         file: None,
-        message,
-        help: Some(help),
+        message: format!("there is no mesh {}", request.path.display()),
+        help: Some("restore the file, or go on without it with --lenient".into()),
     }
 }
 
-/// The mesh, its repairs as warnings; `None` for a bad one that is forgiven.
+/// The mesh, its repairs as warnings; `None` for one that is bad, or has nothing that could be seen.
 fn accept(
     importer: &mut Importer,
     result: Result<Loaded, ImportError>,
     request: &Request,
-) -> Result<Option<Mesh>, ImportError> {
+) -> Option<Mesh> {
     let place = importer.document.location(request.at);
     match result {
         Ok(loaded) => {
+            let is_empty = loaded.mesh.triangles.triangles().is_empty();
+            let left_out = if is_empty {
+                ": the shape is left out"
+            } else {
+                ""
+            };
             for warning in loaded.warnings {
-                importer.warn(format!("{}: {warning}", request.path.display()));
+                let path = request.path.display();
+                importer.warn(format!("{place}: {path}: {warning}{left_out}"));
             }
-            Ok(Some(loaded.mesh))
-        }
-        Err(error) if importer.options.lenient => {
-            importer.warn(format!("{place}: the shape is left out: {error}"));
-            Ok(None)
+            (!is_empty).then_some(loaded.mesh)
         }
         Err(error) => {
-            let asked = format!("the mesh is asked for at {place}");
-            let help = match error.help {
-                Some(help) => format!("{help}\n  {asked}"),
-                None => asked,
+            let error = match (&error.at, &error.file) {
+                (None, None) => ImportError {
+                    at: Some(place),
+                    ..error
+                },
+                _ => {
+                    let asked = format!("the mesh is asked for at {place}");
+                    let help = match error.help {
+                        Some(help) => format!("{help}\n  {asked}"),
+                        None => asked,
+                    };
+                    ImportError {
+                        help: Some(help),
+                        ..error
+                    }
+                }
             };
-            Err(ImportError {
-                help: Some(help),
-                ..error
-            })
+            let instead = "the shape is left out";
+            importer.document.faults.add(request.at, error, instead);
+            None
         }
     }
 }

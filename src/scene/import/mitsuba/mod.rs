@@ -10,8 +10,8 @@
 //! Both dialects are one language here: names are compared in one spelling (`names`), and where the
 //! same words mean different things, each object remembers whose file it stands in.
 //!
-//! What is wrong is an error with file, line and column; what is odd (a parameter nobody knows) is a
-//! warning in [`Description::warnings`].
+//! What is wrong is an error with file, line and column, all that is wrong at once (`faults`); what is
+//! odd (a parameter nobody knows) is a warning in [`Description::warnings`].
 
 mod attributes;
 mod bsdfs;
@@ -19,6 +19,10 @@ mod bsdfs_nested;
 mod defines;
 mod document;
 mod emitters;
+mod encoding;
+mod entities;
+mod faults;
+mod films;
 mod framing;
 mod importer;
 mod integrators;
@@ -47,7 +51,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// Anything in the file that has no meaning: bad XML, unknown elements, plugins or ids, values out of
-/// range; and files that are missing, unless [`ImportOptions::lenient`] is set.
+/// range, files that are missing. With [`ImportOptions::lenient`] only what leaves nothing to go on with.
 pub fn load(path: &Path, options: &ImportOptions) -> Result<Description, ImportError> {
     let document = reader::read(path, &options.defines)?;
     importer::import(&document, options)

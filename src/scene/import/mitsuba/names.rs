@@ -51,14 +51,14 @@ pub(super) const OBJECTS: &[(&str, &[&str])] = &[
     ]),
     ("emitter", &[
         "area", "point", "spot", "directional", "constant", "envmap", "sun", "sky", "sunsky",
-        "projector",
+        "projector", "directionalarea",
     ]),
     ("texture", &[
         "bitmap", "checkerboard", "gridtexture", "scale", "mesh_attribute", "vertexcolors", "uniform",
         "rawconstant", "srgb", "d65", "blackbody", "regular", "irregular",
     ]),
-    ("sensor", &["perspective", "thinlens", "orthographic"]),
-    ("film", &["hdrfilm", "ldrfilm"]),
+    ("sensor", &["perspective", "thinlens", "orthographic", "spherical"]),
+    ("film", &["hdrfilm", "ldrfilm", "tiledhdrfilm"]),
     ("rfilter", &["box", "tent", "gaussian", "mitchell", "catmullrom", "lanczos"]),
     ("sampler", &[
         "independent", "ldsampler", "sobol", "halton", "hammersley", "stratified", "multijitter",

@@ -42,6 +42,11 @@ impl<'a> Params<'a> {
         self.object.dialect
     }
 
+    /// The document that it stands in.
+    pub fn document(&self) -> &'a Document {
+        self.document
+    }
+
     /// The object's place.
     pub fn at(&self) -> At {
         self.object.at
@@ -119,21 +124,48 @@ impl<'a> Params<'a> {
         self.document.error(property.at, message)
     }
 
-    /// A number.
-    pub fn number(&self, name: &'static str) -> Result<Option<f64>, ImportError> {
-        let Some(property) = self.find(name) else {
-            return Ok(None);
-        };
-        match &property.value {
-            Value::Float(v) => Ok(Some(*v)),
-            Value::Integer(v) => Ok(Some(*v as f64)),
-            _ => Err(self.wrong(property, "a <float>")),
+    /// The value of parameter `name` as `read` takes it from what is written. Where that is wrong it is
+    /// told, and the parameter counts as not given.
+    fn read<T>(
+        &self,
+        name: &'static str,
+        expected: &str,
+        read: impl FnOnce(&'a Value) -> Option<T>,
+    ) -> Option<T> {
+        let property = self.find(name)?;
+        if matches!(property.value, Value::Broken) {
+            return None;
         }
+        let value = read(&property.value);
+        if value.is_none() {
+            self.fault(property.at, self.wrong(property, expected));
+        }
+        value
+    }
+
+    /// Tells that parameter `name` cannot be used.
+    fn refuse(&self, name: &str, message: impl Into<String>) {
+        let at = self.place_of(name);
+        self.fault(at, self.document.error(at, message));
+    }
+
+    /// Tells what is wrong with a parameter, which then has its default.
+    pub fn fault(&self, at: At, error: ImportError) {
+        self.document.faults.add(at, error, "its default is used");
+    }
+
+    /// A number.
+    pub fn number(&self, name: &'static str) -> Option<f64> {
+        self.read(name, "a <float>", |value| match value {
+            Value::Float(v) => Some(*v),
+            Value::Integer(v) => Some(*v as f64),
+            _ => None,
+        })
     }
 
     /// A number, `default` if it is not given.
-    pub fn float(&self, name: &'static str, default: f64) -> Result<f64, ImportError> {
-        Ok(self.number(name)?.unwrap_or(default))
+    pub fn float(&self, name: &'static str, default: f64) -> f64 {
+        self.number(name).unwrap_or(default)
     }
 
     /// A number in a range.
@@ -142,10 +174,10 @@ impl<'a> Params<'a> {
         name: &'static str,
         default: f64,
         range: std::ops::RangeInclusive<f64>,
-    ) -> Result<f64, ImportError> {
-        let v = self.float(name, default)?;
+    ) -> f64 {
+        let v = self.float(name, default);
         if range.contains(&v) {
-            return Ok(v);
+            return v;
         }
         let (low, high) = (range.start(), range.end());
         let message = if *high >= f64::from(f32::MAX) {
@@ -153,111 +185,108 @@ impl<'a> Params<'a> {
         } else {
             format!("\"{name}\" is {v}; it must be between {low} and {high}")
         };
-        Err(self.document.error(self.place_of(name), message))
+        self.refuse(name, message);
+        default.clamp(*low, *high)
     }
 
     /// A number above 0.
-    pub fn positive(&self, name: &'static str, default: f64) -> Result<f64, ImportError> {
-        let v = self.float(name, default)?;
+    pub fn positive(&self, name: &'static str, default: f64) -> f64 {
+        let v = self.float(name, default);
         if v > 0.0 {
-            return Ok(v);
+            return v;
         }
-        let message = format!("\"{name}\" is {v}; it must be greater than 0");
-        Err(self.document.error(self.place_of(name), message))
+        self.refuse(
+            name,
+            format!("\"{name}\" is {v}; it must be greater than 0"),
+        );
+        default
     }
 
     /// A whole number.
-    pub fn integer(&self, name: &'static str) -> Result<Option<i64>, ImportError> {
-        let Some(property) = self.find(name) else {
-            return Ok(None);
-        };
-        match &property.value {
-            Value::Integer(v) => Ok(Some(*v)),
-            Value::Float(v) if v.fract() == 0.0 && v.abs() < 1e15 => Ok(Some(*v as i64)),
-            _ => Err(self.wrong(property, "an <integer>")),
-        }
+    pub fn integer(&self, name: &'static str) -> Option<i64> {
+        self.read(name, "an <integer>", |value| match value {
+            Value::Integer(v) => Some(*v),
+            Value::Float(v) if v.fract() == 0.0 && v.abs() < 1e15 => Some(*v as i64),
+            _ => None,
+        })
     }
 
     /// A whole number that fits `u32` and is at least `least`.
-    pub fn count(&self, name: &'static str, default: u32, least: u32) -> Result<u32, ImportError> {
-        let Some(v) = self.integer(name)? else {
-            return Ok(default);
+    pub fn count(&self, name: &'static str, default: u32, least: u32) -> u32 {
+        let Some(v) = self.integer(name) else {
+            return default;
         };
         match u32::try_from(v) {
-            Ok(v) if v >= least => Ok(v),
+            Ok(v) if v >= least => v,
+            Ok(_) | Err(_) if v < i64::from(least) => {
+                self.refuse(
+                    name,
+                    format!("\"{name}\" is {v}; it must be at least {least}"),
+                );
+                default
+            }
             _ => {
-                let message = format!("\"{name}\" is {v}; it must be at least {least}");
-                Err(self.document.error(self.place_of(name), message))
+                self.refuse(name, format!("\"{name}\" is {v}; that is too much"));
+                default
             }
         }
     }
 
     /// A yes or no.
-    pub fn boolean(&self, name: &'static str, default: bool) -> Result<bool, ImportError> {
-        match self.find(name) {
-            None => Ok(default),
-            Some(property) => match &property.value {
-                Value::Boolean(v) => Ok(*v),
-                _ => Err(self.wrong(property, "a <boolean>")),
-            },
-        }
+    pub fn boolean(&self, name: &'static str, default: bool) -> bool {
+        let given = self.read(name, "a <boolean>", |value| match value {
+            Value::Boolean(v) => Some(*v),
+            _ => None,
+        });
+        given.unwrap_or(default)
     }
 
     /// A text.
-    pub fn text(&self, name: &'static str) -> Result<Option<&'a str>, ImportError> {
-        match self.find(name) {
-            None => Ok(None),
-            Some(property) => match &property.value {
-                Value::Text(v) => Ok(Some(v)),
-                _ => Err(self.wrong(property, "a <string>")),
-            },
-        }
-    }
-
-    /// One of a few words, any case; `None` if it is not given.
-    pub fn choice<T: Copy>(
-        &self,
-        name: &'static str,
-        choices: &[(&str, T)],
-    ) -> Result<Option<T>, ImportError> {
-        let Some(word) = self.text(name)? else {
-            return Ok(None);
-        };
-        let found = choices.iter().find(|(w, _)| w.eq_ignore_ascii_case(word));
-        found.map(|(_, v)| Some(*v)).ok_or_else(|| {
-            let list: Vec<_> = choices.iter().map(|(w, _)| *w).collect();
-            let message = format!("\"{name}\" is \"{word}\"; it can be {}", list.join(", "));
-            self.document.error(self.place_of(name), message)
+    pub fn text(&self, name: &'static str) -> Option<&'a str> {
+        self.read(name, "a <string>", |value| match value {
+            Value::Text(v) => Some(v.as_str()),
+            _ => None,
         })
     }
 
-    /// A point or vector.
-    pub fn vector(&self, name: &'static str) -> Result<Option<DVec3>, ImportError> {
-        match self.find(name) {
-            None => Ok(None),
-            Some(property) => match &property.value {
-                Value::Vector(v) => Ok(Some(*v)),
-                _ => Err(self.wrong(property, "a <point> or <vector>")),
-            },
+    /// One of a few words, any case; `None` if it is not given.
+    pub fn choice<T: Copy>(&self, name: &'static str, choices: &[(&str, T)]) -> Option<T> {
+        let word = self.text(name)?;
+        let found = choices.iter().find(|(w, _)| w.eq_ignore_ascii_case(word));
+        if found.is_none() {
+            let list: Vec<_> = choices.iter().map(|(w, _)| *w).collect();
+            let list = list.join(", ");
+            self.refuse(name, format!("\"{name}\" is \"{word}\"; it can be {list}"));
         }
+        found.map(|(_, v)| *v)
+    }
+
+    /// A point or vector.
+    pub fn vector(&self, name: &'static str) -> Option<DVec3> {
+        self.read(name, "a <point> or <vector>", |value| match value {
+            Value::Vector(v) => Some(*v),
+            _ => None,
+        })
     }
 
     /// A transform without projection; `None` if it is not given.
-    pub fn transform(&self, name: &'static str) -> Result<Option<DAffine3>, ImportError> {
-        match self.find(name) {
-            None => Ok(None),
-            Some(property) => match &property.value {
-                Value::Transform(m) => super::transform::affine(*m)
-                    .map(Some)
-                    .map_err(|message| self.document.error(property.at, message)),
-                _ => Err(self.wrong(property, "a <transform>")),
-            },
+    pub fn transform(&self, name: &'static str) -> Option<DAffine3> {
+        let matrix = self.read(name, "a <transform>", |value| match value {
+            Value::Transform(m) => Some(*m),
+            _ => None,
+        })?;
+        match super::transform::affine(matrix) {
+            Ok(affine) => Some(affine),
+            Err(message) => {
+                self.refuse(name, message);
+                None
+            }
         }
     }
 
     /// `to_world`, the identity if it is not given.
-    pub fn to_world(&self) -> Result<DAffine3, ImportError> {
-        Ok(self.transform("to_world")?.unwrap_or(DAffine3::IDENTITY))
+    pub fn to_world(&self) -> DAffine3 {
+        self.transform("to_world").unwrap_or(DAffine3::IDENTITY)
     }
 
     /// Where a parameter stands, or the object if it does not.
@@ -271,7 +300,7 @@ impl<'a> Params<'a> {
         let asked = self.asked.borrow();
         let leftover = self.object.properties.iter().zip(&self.used);
         leftover
-            .filter(|(_, used)| !used.get())
+            .filter(|(p, used)| !used.get() && !matches!(p.value, Value::Broken))
             .map(|(property, _)| self.unused_warning(property, &asked))
             .collect()
     }

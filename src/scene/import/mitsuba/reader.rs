@@ -1,19 +1,26 @@
 //! From elements to a [`Document`]: follows includes, registers ids, and has references resolved (forward
 //! ones too). Single parameters are read in [`super::attributes`].
+//!
+//! What cannot be read is told and left out, so that all mistakes of a file come to light at once.
 
 use super::defines::Defines;
 use super::document::{Document, Object, Property};
 use super::value::{Dialect, Value};
 use super::xml::{self, At, Element};
-use super::{names, references};
+use super::{encoding, names, references};
+use crate::image::{foreign, regular};
 use crate::scene::import::ImportError;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 /// Files that include each other this deep are taken for a mistake.
 const MAX_INCLUDES: usize = 10;
-/// Objects of a scene, with all includes: files that include others twice grow exponentially.
+/// Files of a scene: files that include others twice grow exponentially.
+const MAX_FILES: usize = 10_000;
+/// Objects of a scene, with all includes.
 const MAX_OBJECTS: usize = 4_000_000;
+/// Parameters of an object that are compared one by one; more are looked up.
+const FEW: usize = 16;
 
 /// Reads the scene at `path`.
 pub(super) fn read(path: &Path, defines: &[(String, String)]) -> Result<Document, ImportError> {
@@ -22,8 +29,13 @@ pub(super) fn read(path: &Path, defines: &[(String, String)]) -> Result<Document
         defines: Defines::new(defines),
         ids: HashMap::new(),
         including: Vec::new(),
+        names: HashMap::new(),
+        overflow: None,
     };
     reader.root(path)?;
+    if let Some(error) = reader.overflow {
+        return Err(error);
+    }
     for name in reader.defines.unused() {
         let warning = format!("-D {name}: the scene has no ${name}");
         reader.document.warnings.push(warning);
@@ -40,6 +52,10 @@ pub(super) struct Reader {
     pub ids: HashMap<String, usize>,
     /// Files being read, outermost first: they must not include themselves.
     including: Vec<std::path::PathBuf>,
+    /// Names of the parameters of objects that have many.
+    names: HashMap<usize, HashSet<String>>,
+    /// A limit that was passed: nothing more is read.
+    overflow: Option<ImportError>,
 }
 
 impl Reader {
@@ -60,21 +76,12 @@ impl Reader {
         path: &Path,
         outer: Option<Dialect>,
     ) -> Result<(Element, Dialect), ImportError> {
-        let plain = |message: String| ImportError {
-            at: None,
-            file: Some(path.to_owned()),
-            message,
-            help: None,
-        };
-        let bytes =
-            crate::image::regular::read(path).map_err(|e| plain(format!("cannot read it: {e}")))?;
-        let text = String::from_utf8(bytes)
-            .map_err(|_| plain("is not UTF-8 text; save the scene as UTF-8".into()))?;
+        let text = text(path)?;
         let index = self.document.files.len();
         self.document.files.push(path.to_owned());
         let canonical = path.canonicalize().unwrap_or_else(|_| path.to_owned());
         self.including.push(canonical);
-        let root = xml::parse(text.trim_start_matches('\u{feff}'), index, path)?;
+        let root = xml::parse(&text, index, path)?;
         let dialect = self.dialect(&root, outer)?;
         Ok((root, dialect))
     }
@@ -124,8 +131,7 @@ impl Reader {
         self.warn_attributes(element, &["type", "id", "name", "version"]);
         let index = self.document.objects.len();
         if index >= MAX_OBJECTS {
-            let message = format!("the scene has more than {MAX_OBJECTS} objects");
-            return Err(self.document.error(element.at, message));
+            return Err(self.overflowed(element.at, format!("{MAX_OBJECTS} objects")));
         }
         self.document.objects.push(Object {
             tag: element.tag.clone(),
@@ -136,12 +142,24 @@ impl Reader {
             properties: Vec::new(),
         });
         if let Some(id) = attributes.get("id") {
-            self.register(id, index, element.at)?;
+            if let Err(error) = self.register(id, index, element.at) {
+                let instead = "the first one has it";
+                self.document.faults.add(element.at, error, instead);
+            }
         }
         for child in &element.children {
-            self.child(index, child, dialect)?;
+            self.child(index, child, dialect);
         }
+        self.names.remove(&index);
         Ok(index)
+    }
+
+    /// The error of a scene that has more than is read of any.
+    fn overflowed(&mut self, at: At, what: String) -> ImportError {
+        let error = self
+            .document
+            .error(at, format!("the scene has more than {what}"));
+        self.overflow.get_or_insert(error).clone()
     }
 
     fn register(&mut self, id: &str, index: usize, at: At) -> Result<(), ImportError> {
@@ -154,8 +172,21 @@ impl Reader {
         Err(self.document.error(at, message))
     }
 
-    /// Reads one element inside object `parent`.
-    fn child(
+    /// Reads one element inside object `parent`. One that cannot be read is told, and marks its place.
+    fn child(&mut self, parent: usize, element: &Element, dialect: Dialect) {
+        if self.overflow.is_some() {
+            return;
+        }
+        if let Err(error) = self.try_child(parent, element, dialect) {
+            let instead = "it is left out";
+            self.document.faults.add(element.at, error, instead);
+            let name = element.attributes.iter().find(|(n, _)| n == "name");
+            let name = name.map_or("", |(_, name)| name);
+            self.push(parent, name, element.at, Value::Broken);
+        }
+    }
+
+    fn try_child(
         &mut self,
         parent: usize,
         element: &Element,
@@ -193,7 +224,7 @@ impl Reader {
             }
             "path" => {
                 let name = self.required(element, &attributes, "value")?;
-                let directory = self.document.resolve(element.at, name);
+                let directory = self.document.resolve_directory(element.at, name);
                 if !directory.is_dir() {
                     let message = format!("there is no directory {}", directory.display());
                     return Err(self.document.error(element.at, message));
@@ -215,9 +246,8 @@ impl Reader {
 
     fn push(&mut self, parent: usize, name: &str, at: At, value: Value) {
         let normal = names::normalise(name);
-        let object = &mut self.document.objects[parent];
-        let twice = !normal.is_empty() && object.properties.iter().any(|p| p.name == normal);
-        object.properties.push(Property {
+        let twice = !normal.is_empty() && self.is_given(parent, &normal);
+        self.document.objects[parent].properties.push(Property {
             name: normal,
             written: name.to_owned(),
             at,
@@ -228,6 +258,20 @@ impl Reader {
             let warning = format!("{place}: \"{name}\" is given twice; the last one counts");
             self.document.warnings.push(warning);
         }
+    }
+
+    /// Whether an object has a parameter of that name; if not, it is about to get one. A scene may have a
+    /// hundred thousand of them.
+    fn is_given(&mut self, parent: usize, name: &str) -> bool {
+        let properties = &self.document.objects[parent].properties;
+        if properties.len() < FEW {
+            return properties.iter().any(|p| p.name == name);
+        }
+        let names = self.names.entry(parent).or_insert_with(|| {
+            let names = properties.iter().map(|p| p.name.clone());
+            names.collect()
+        });
+        !names.insert(name.to_owned())
     }
 
     fn include(
@@ -252,15 +296,38 @@ impl Reader {
             let message = format!("there is no file {} to include", path.display());
             return Err(self.document.error(element.at, message));
         }
-        let (root, dialect) = self.file(&path, Some(dialect))?;
-        if root.tag == "scene" {
-            for child in &root.children {
-                self.child(parent, child, dialect)?;
-            }
-        } else {
-            self.child(parent, &root, dialect)?;
+        if self.document.files.len() >= MAX_FILES {
+            return Err(self.overflowed(element.at, format!("{MAX_FILES} files")));
         }
-        self.including.pop();
-        Ok(())
+        let depth = self.including.len();
+        let read = self.file(&path, Some(dialect));
+        if let Ok((root, dialect)) = &read {
+            let inside = match root.tag.as_str() {
+                "scene" => &root.children[..],
+                _ => std::slice::from_ref(root),
+            };
+            for child in inside {
+                self.child(parent, child, *dialect);
+            }
+        }
+        self.including.truncate(depth);
+        read.map(|_| ())
     }
+}
+
+/// The text of the scene file at `path`.
+fn text(path: &Path) -> Result<String, ImportError> {
+    let plain = |message: String, help: Option<&str>| ImportError {
+        at: None,
+        file: Some(path.to_owned()),
+        message,
+        help: help.map(str::to_owned),
+    };
+    let unreadable = |e: std::io::Error| plain(format!("cannot read it: {e}"), None);
+    let bytes = regular::read(path).map_err(unreadable)?;
+    if let Some(foreign) = foreign::of_scene(path, &bytes) {
+        let message = format!("is no Mitsuba scene but {}", foreign.what);
+        return Err(plain(message, Some(foreign.help)));
+    }
+    encoding::text(bytes).map_err(|message| plain(message, None))
 }

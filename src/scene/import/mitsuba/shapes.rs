@@ -33,15 +33,22 @@ pub(super) enum PendingGeometry {
 
 impl<'a> Importer<'a> {
     /// Imports the shape that object `index` describes, into a group or the world.
+    ///
+    /// # Errors
+    /// When shapes hold so many others that nobody would wait for it. What else is wrong is told.
     pub fn shape(&mut self, index: usize, group: Option<u32>) -> Result<(), ImportError> {
+        self.step_into(index)?;
         let params = Params::new(self.document, index);
-        match params.plugin() {
+        let read = match params.plugin() {
             // A group shows nothing until it is instanced.
-            "shapegroup" => self.group(index).map(|_| ()),
+            "shapegroup" => {
+                self.group(index)?;
+                Ok(())
+            }
             "instance" if group.is_some() => {
                 Err(params.error("an instance cannot stand inside a group"))
             }
-            "instance" => self.instance(&params),
+            "instance" => self.instance(&params)?,
             "merge" => {
                 for (_, inner) in params.children("shape") {
                     self.shape(inner, group)?;
@@ -50,7 +57,9 @@ impl<'a> Importer<'a> {
                 Ok(())
             }
             _ => self.surface(&params, index, group),
-        }
+        };
+        self.or_instead(index, read, "the shape is left out", |_| ());
+        Ok(())
     }
 
     /// A shape that rays can meet.
@@ -64,17 +73,18 @@ impl<'a> Importer<'a> {
             "obj" => (self.mesh_file(p, MeshKind::Obj, group)?, false),
             "ply" => (self.mesh_file(p, MeshKind::Ply, group)?, false),
             "serialized" => (self.mesh_file(p, MeshKind::Serialized, group)?, false),
-            "cube" => (cube(p, self.place(p.to_world()?, group))?, false),
-            _ => (self.exact(p, group)?, p.boolean("flip_normals", false)?),
+            "cube" => (cube(p, self.place(p.to_world(), group))?, false),
+            _ => (self.exact(p, group)?, p.boolean("flip_normals", false)),
         };
-        let radiance = self.radiance(p)?;
-        if radiance.is_some() && group.is_some() {
+        let lamp = self.lamp(p)?;
+        if lamp.is_some() && group.is_some() {
             return Err(p.error("a shape in a group cannot glow"));
         }
         let material = match p.child("bsdf")? {
-            Some(bsdf) => self.bsdf(bsdf)?,
-            None => self.default_bsdf(radiance.is_some()),
+            Some(bsdf) => self.bsdf(bsdf),
+            None => self.default_bsdf(lamp.is_some()),
         };
+        let radiance = lamp.flatten();
         for tag in ["medium", "subsurface"] {
             for (_, inner) in p.children(tag) {
                 self.no_media(inner)?;
@@ -104,18 +114,32 @@ impl<'a> Importer<'a> {
         Ok(())
     }
 
-    /// What an `area` emitter inside a shape emits.
-    fn radiance(&mut self, p: &Params<'a>) -> Result<Option<Texture>, ImportError> {
+    /// The emitter inside a shape, if there is one, and what it emits: `None` if no path from a camera ever
+    /// meets that.
+    fn lamp(&mut self, p: &Params<'a>) -> Result<Option<Option<Texture>>, ImportError> {
         let Some(index) = p.child("emitter")? else {
             return Ok(None);
         };
         let inner = Params::new(self.document, index);
-        if inner.plugin() != "area" {
-            let plugin = inner.plugin();
-            return Err(inner.error(format!("emitter \"{plugin}\" cannot stand inside a shape")));
-        }
         inner.ignore(&["sampling_weight"]);
-        let radiance = self.texture(&inner, "radiance", 1.0, Role::Light)?;
+        let radiance = match inner.plugin() {
+            "area" => Some(self.texture(&inner, "radiance", 1.0, Role::Light)),
+            "directionalarea" => {
+                inner.ignore(&["radiance"]);
+                let place = self.document.location(inner.at());
+                self.warn(format!(
+                    "{place}: emitter \"directionalarea\" shines along its normals alone, where no path from a camera meets it: it is dark, as in Mitsuba's path tracers"
+                ));
+                None
+            }
+            plugin => {
+                let message = format!("emitter \"{plugin}\" cannot stand inside a shape");
+                let error = inner.error(message);
+                let instead = "the shape does not shine";
+                self.document.faults.add(inner.at(), error, instead);
+                return Ok(None);
+            }
+        };
         self.done(&inner);
         Ok(Some(radiance))
     }
@@ -126,25 +150,26 @@ impl<'a> Importer<'a> {
         kind: MeshKind,
         group: Option<u32>,
     ) -> Result<PendingGeometry, ImportError> {
-        let Some(name) = p.text("filename")? else {
+        let Some(name) = p.text("filename") else {
             return Err(p.error(format!("\"{}\" needs a \"filename\"", p.plugin())));
         };
         p.ignore(&["collapse", "srgb"]);
         let at = p.place_of("filename");
         let shape_index = match kind {
-            MeshKind::Serialized => p.count("shape_index", 0, 0)? as usize,
+            MeshKind::Serialized => p.count("shape_index", 0, 0) as usize,
             MeshKind::Obj | MeshKind::Ply | MeshKind::Stl => 0,
         };
-        let angle = p.number("max_smooth_angle")?;
+        let angle = p.number("max_smooth_angle");
         let options = MeshOptions {
-            to_world: self.place(p.to_world()?, group),
-            face_normals: p.boolean("face_normals", false)?,
-            flip_normals: p.boolean("flip_normals", false)?,
+            to_world: self.place(p.to_world(), group),
+            face_normals: p.boolean("face_normals", false),
+            flip_normals: p.boolean("flip_normals", false),
             // Both dialects turn v around for OBJ, whose v points up while rows of images go down.
-            flip_tex_coords: p.boolean("flip_tex_coords", kind == MeshKind::Obj)?,
+            flip_tex_coords: p.boolean("flip_tex_coords", kind == MeshKind::Obj),
             max_smooth_angle: angle.map(|a| a as f32),
             shape_index,
             lenient: self.options.lenient,
+            decoded_limit: self.options.decode.bytes,
             ..MeshOptions::default()
         };
         Ok(PendingGeometry::File(Request {
@@ -160,11 +185,11 @@ impl<'a> Importer<'a> {
         p: &Params<'a>,
         group: Option<u32>,
     ) -> Result<PendingGeometry, ImportError> {
-        let to_world = self.place(p.to_world()?, group);
+        let to_world = self.place(p.to_world(), group);
         let (kind, local) = match p.plugin() {
             "sphere" => {
-                let center = p.vector("center")?.unwrap_or_default();
-                let radius = p.positive("radius", 1.0)?;
+                let center = p.vector("center").unwrap_or_default();
+                let radius = p.positive("radius", 1.0);
                 let placed =
                     DAffine3::from_translation(center) * DAffine3::from_scale(DVec3::splat(radius));
                 (ExactKind::Sphere, placed)
@@ -201,7 +226,10 @@ impl<'a> Importer<'a> {
         self.group_of.insert(index, group);
         for (_, inner) in params.children("shape") {
             if self.document.objects[inner].plugin == "shapegroup" {
-                return Err(params.error("a group cannot hold another group"));
+                let error = params.error("a group cannot hold another group");
+                let instead = "the inner one is left out";
+                self.document.faults.add(params.at(), error, instead);
+                continue;
             }
             self.shape(inner, Some(group))?;
         }
@@ -209,17 +237,25 @@ impl<'a> Importer<'a> {
         Ok(group)
     }
 
-    fn instance(&mut self, p: &Params<'a>) -> Result<(), ImportError> {
-        let group = match p.child("shape")? {
+    /// The inner result says what is wrong with the instance itself.
+    fn instance(&mut self, p: &Params<'a>) -> Result<Result<(), ImportError>, ImportError> {
+        let inner = match p.child("shape") {
+            Ok(inner) => inner,
+            Err(error) => return Ok(Err(error)),
+        };
+        let group = match inner {
             Some(index) if self.document.objects[index].plugin == "shapegroup" => {
                 self.group(index)?
             }
-            _ => return Err(p.error("an instance needs a \"shapegroup\" inside (often a <ref>)")),
+            _ => {
+                let message = "an instance needs a \"shapegroup\" inside (often a <ref>)";
+                return Ok(Err(p.error(message)));
+            }
         };
-        let placed = self.place(p.to_world()?, None);
+        let placed = self.place(p.to_world(), None);
         self.instances.push((group, placed));
         self.done(p);
-        Ok(())
+        Ok(Ok(()))
     }
 }
 
@@ -230,9 +266,9 @@ pub(super) fn single(m: DAffine3) -> Affine3A {
 
 /// The map from the unit cylinder to one from `p0` to `p1`.
 fn cylinder(p: &Params) -> Result<DAffine3, ImportError> {
-    let start = p.vector("p0")?.unwrap_or_default();
-    let axis = p.vector("p1")?.unwrap_or(DVec3::Z) - start;
-    let radius = p.positive("radius", 1.0)?;
+    let start = p.vector("p0").unwrap_or_default();
+    let axis = p.vector("p1").unwrap_or(DVec3::Z) - start;
+    let radius = p.positive("radius", 1.0);
     let Some(direction) = axis.try_normalize() else {
         return Err(p.error("\"p0\" and \"p1\" are the same point"));
     };
@@ -247,7 +283,7 @@ fn cylinder(p: &Params) -> Result<DAffine3, ImportError> {
 /// as texture coordinates.
 fn cube(p: &Params, to_world: DAffine3) -> Result<PendingGeometry, ImportError> {
     // Faces stay turned outwards under a mirroring map, as Mitsuba's vertex normals do.
-    let inward = p.boolean("flip_normals", false)? != (to_world.matrix3.determinant() < 0.0);
+    let inward = p.boolean("flip_normals", false) != (to_world.matrix3.determinant() < 0.0);
     let (mut positions, mut uvs, mut triangles) = (Vec::new(), Vec::new(), Vec::new());
     for (normal, u_axis) in [
         (DVec3::X, DVec3::Y),

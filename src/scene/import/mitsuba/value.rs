@@ -24,6 +24,8 @@ pub(super) enum Value {
     Object(usize),
     /// A `<ref>` before it is resolved.
     Reference(String),
+    /// Something that could not be read, of which that is told already.
+    Broken,
 }
 
 impl Value {
@@ -37,7 +39,7 @@ impl Value {
             Value::Vector(_) => "a <point> or <vector>",
             Value::Color(_) => "a colour",
             Value::Transform(_) => "a <transform>",
-            Value::Object(_) | Value::Reference(_) => "an object",
+            Value::Object(_) | Value::Reference(_) | Value::Broken => "an object",
         }
     }
 }
@@ -195,6 +197,7 @@ pub(super) fn samples(samples: Vec<(f64, f64)>) -> Result<Color, String> {
 /// Text of a `.spd` file: a wavelength and a value a line, `#` begins a comment.
 pub(super) fn spectrum_file(text: &str) -> Result<Color, String> {
     let lines = text
+        .trim_start_matches('\u{feff}')
         .lines()
         .map(|l| l.split('#').next().unwrap_or("").trim());
     let mut list = Vec::new();

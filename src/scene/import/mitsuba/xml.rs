@@ -1,10 +1,10 @@
 //! XML with places: text to a tree of elements, each knowing its line and column.
 //!
-//! `roxmltree` does the parsing. Document type definitions are refused (a scene needs none, and entity
-//! definitions that name each other can blow up a small file). Comments are blanked before parsing,
-//! without moving lines or columns: some renderers' readers accept `--` and `<!--` inside comments, XML
-//! does not, and scenes in circulation have them.
+//! `roxmltree` does the parsing. Of document type definitions, harmless entities are read ([`entities`]).
+//! Comments are blanked before parsing, without moving lines or columns: some renderers' readers accept
+//! `--` and `<!--` inside comments, XML does not, and scenes in circulation have them.
 
+use super::entities;
 use crate::scene::import::{ImportError, Location};
 use std::path::Path;
 
@@ -14,7 +14,7 @@ const MAX_NESTING: usize = 50;
 const MAX_NODES: u32 = 20_000_000;
 
 /// A place in one of the files of a scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct At {
     /// Index of the file.
     pub file: usize,
@@ -41,14 +41,15 @@ pub(super) struct Element {
 pub(super) fn parse(text: &str, file: usize, path: &Path) -> Result<Element, ImportError> {
     let text = blank_comments(text);
     let options = roxmltree::ParsingOptions {
-        allow_dtd: false,
+        allow_dtd: true,
         nodes_limit: MAX_NODES,
         ..Default::default()
     };
+    let places = Places::new(&text);
+    entities::check(&text).map_err(|refused| refused_entity(refused, &places, path))?;
     let document = roxmltree::Document::parse_with_options(&text, options)
         .map_err(|error| syntax_error(&error, path))?;
-    let lines = LineStarts::new(&text);
-    element(document.root_element(), file, &lines, 0).map_err(|at| ImportError {
+    element(document.root_element(), file, &places, 0).map_err(|at| ImportError {
         at: Some(Location {
             file: path.to_owned(),
             line: at.line,
@@ -62,13 +63,6 @@ pub(super) fn parse(text: &str, file: usize, path: &Path) -> Result<Element, Imp
 
 fn syntax_error(error: &roxmltree::Error, path: &Path) -> ImportError {
     let pos = error.pos();
-    let (message, help) = match error {
-        roxmltree::Error::DtdDetected => (
-            "document type definitions (<!DOCTYPE ...>) are not accepted".into(),
-            Some("delete the DOCTYPE declaration and write its entities out".into()),
-        ),
-        _ => (format!("this is not well-formed XML: {error}"), None),
-    };
     ImportError {
         at: Some(Location {
             file: path.to_owned(),
@@ -76,18 +70,32 @@ fn syntax_error(error: &roxmltree::Error, path: &Path) -> ImportError {
             column: pos.col,
         }),
         file: None,
-        message,
-        help,
+        message: format!("this is not well-formed XML: {error}"),
+        help: None,
+    }
+}
+
+fn refused_entity(refused: entities::Refused, places: &Places, path: &Path) -> ImportError {
+    let (line, column) = places.of(refused.byte);
+    ImportError {
+        at: Some(Location {
+            file: path.to_owned(),
+            line,
+            column,
+        }),
+        file: None,
+        message: refused.message,
+        help: Some(refused.help.into()),
     }
 }
 
 fn element(
     node: roxmltree::Node,
     file: usize,
-    lines: &LineStarts,
+    places: &Places,
     depth: usize,
 ) -> Result<Element, At> {
-    let (line, column) = lines.place(node.range().start);
+    let (line, column) = places.of(node.range().start);
     let at = At { file, line, column };
     if depth == MAX_NESTING {
         return Err(at);
@@ -99,31 +107,58 @@ fn element(
         attributes: node.attributes().map(own).collect(),
         at,
         children: children
-            .map(|c| element(c, file, lines, depth + 1))
+            .map(|c| element(c, file, places, depth + 1))
             .collect::<Result<_, _>>()?,
     })
 }
 
-/// Where lines begin: finds places without counting from the start for each.
-struct LineStarts<'a> {
-    text: &'a str,
+/// Bytes between the marks of [`Places`].
+const MARK: usize = 256;
+
+/// From bytes of a text to lines and columns, in a bounded number of steps each: a whole scene may stand
+/// in one line.
+struct Places<'a> {
+    text: &'a [u8],
+    /// Where lines begin.
     starts: Vec<usize>,
+    /// Characters before every byte that is a multiple of [`MARK`].
+    marks: Vec<usize>,
 }
 
-impl<'a> LineStarts<'a> {
+impl<'a> Places<'a> {
     fn new(text: &'a str) -> Self {
-        let ends = text.bytes().enumerate().filter(|(_, b)| *b == b'\n');
+        let text = text.as_bytes();
+        let ends = text.iter().enumerate().filter(|(_, b)| **b == b'\n');
         let starts = std::iter::once(0).chain(ends.map(|(i, _)| i + 1)).collect();
-        Self { text, starts }
+        let mut marks = vec![0];
+        for part in text.chunks(MARK) {
+            marks.push(marks[marks.len() - 1] + characters(part));
+        }
+        Self {
+            text,
+            starts,
+            marks,
+        }
+    }
+
+    /// Characters before a byte.
+    fn before(&self, byte: usize) -> usize {
+        let mark = byte / MARK;
+        self.marks[mark] + characters(&self.text[mark * MARK..byte])
     }
 
     /// Line and column (characters) of a byte.
-    fn place(&self, byte: usize) -> (u32, u32) {
+    fn of(&self, byte: usize) -> (u32, u32) {
+        let byte = byte.min(self.text.len());
         let line = self.starts.partition_point(|&s| s <= byte);
-        let start = self.starts[line - 1];
-        let before = self.text.get(start..byte).unwrap_or("");
-        (line as u32, before.chars().count() as u32 + 1)
+        let column = self.before(byte) - self.before(self.starts[line - 1]);
+        (line as u32, column as u32 + 1)
     }
+}
+
+/// Characters that begin in a piece of UTF-8.
+fn characters(text: &[u8]) -> usize {
+    text.iter().filter(|b| **b & 0xc0 != 0x80).count()
 }
 
 /// Blanks what is inside comments, one space a character, keeping line ends. A comment ends at the first
@@ -204,11 +239,32 @@ mod tests {
         assert!(parsed("<a><!-- never closed").is_err());
     }
 
+    /// Columns are counted from marks: before, at and behind one, in one long line.
     #[test]
-    fn definitions_and_abysses_are_refused() {
-        let bomb = r#"<!DOCTYPE l [<!ENTITY a "x"><!ENTITY b "&a;&a;">]><a>&b;</a>"#;
-        let error = parsed(bomb).unwrap_err();
-        assert!(error.message.contains("DOCTYPE"), "{error}");
+    fn long_lines_have_places_too() {
+        let many = 700;
+        let root = parsed(&format!("<\u{e9}>{}</\u{e9}>", "\u{e9}<b/>".repeat(many))).unwrap();
+        assert_eq!(root.children.len(), many);
+        for (i, child) in root.children.iter().enumerate() {
+            assert_eq!((child.at.line, child.at.column as usize), (1, 5 + 5 * i));
+        }
+    }
+
+    #[test]
+    fn entities_are_read_and_bombs_and_abysses_refused() {
+        let good = "<!DOCTYPE a [<!-- of -- mine --><!ENTITY r \"0.5\"><!ENTITY b '<b x=\"&r;\"/>'>]>\n<a>&b;<c y='&r;'/></a>";
+        let root = parsed(good).unwrap();
+        assert_eq!(root.children[0].attributes, [("x".into(), "0.5".into())]);
+        assert_eq!(root.children[1].attributes, [("y".into(), "0.5".into())]);
+        assert_eq!(root.children[1].at.line, 2);
+        let mut bomb = "<!DOCTYPE l [<!ENTITY e0 'x'>".to_owned();
+        for i in 1..9 {
+            let ten = format!("&e{};", i - 1).repeat(10);
+            bomb += &format!("<!ENTITY e{i} '{ten}'>");
+        }
+        let error = parsed(&(bomb + "]>\n<a>&e8;</a>")).unwrap_err();
+        assert!(error.to_string().contains("scene.xml:2:4: "), "{error}");
+        assert!(error.message.contains("1 MiB"), "{error}");
         let deep = "<a>".repeat(200) + &"</a>".repeat(200);
         let error = parsed(&deep).unwrap_err();
         assert!(error.message.contains("nested"), "{error}");

@@ -27,12 +27,14 @@ const SUN_SKY_SCALE: f32 = 0.04;
 
 impl Studio {
     pub(super) fn add_light(&self, parts: &mut Parts, camera: &CameraDescription, bounds: Bounds) {
-        if let Some(path) = &self.environment {
+        if let Some(image) = &self.environment {
+            for oddity in image.oddities() {
+                parts.warn(format!("{}: {oddity}", image.path().display()));
+            }
             parts.emitters.push(Emitter::EnvironmentMap {
-                path: path.clone(),
+                image: image.clone(),
                 scale: 1.0,
                 to_world: self.upright(),
-                gamma: None,
             });
         }
         let default = match parts.emitters.is_empty() {

@@ -18,10 +18,11 @@ use super::parts::Parts;
 use crate::accel::{Bounds, ExactKind, ExactShape};
 use crate::film::filter::Filter;
 use crate::film::{FilmDescription, FilmKind};
+use crate::light::EnvironmentImage;
 use crate::math::{Affine3A, DVec3, Vec3};
 use crate::scene::description::RenderDescription;
 use crate::scene::{Description, Geometry, Shape};
-use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Width of a picture where nothing says otherwise, pixels.
 const WIDTH: u32 = 768;
@@ -42,7 +43,7 @@ pub struct Studio {
     /// Light; `None` is the studio's, unless the files bring their own.
     pub sky: Option<Sky>,
     /// An image around the scene, in place of the sky.
-    pub environment: Option<PathBuf>,
+    pub environment: Option<Arc<EnvironmentImage>>,
     /// A plane under the models, painted so.
     pub ground: Option<Paint>,
     /// Width and height of the picture, as far as the command line gives them.

@@ -1,16 +1,21 @@
 //! Tests of the importer as a whole.
 
 mod broken;
+mod growth;
+mod left_out;
+mod paths;
 mod plugins;
 mod render_settings;
+mod together;
 mod whole_scenes;
 
 use crate::image::ImageError;
+use crate::image::decoded::DecodeLimit;
 use crate::math::Rgb;
 use crate::scene::import::mesh::{Loaded, MeshKind, MeshOptions};
 use crate::scene::import::{ImportError, ImportOptions, OpenTexture};
 use crate::scene::{Description, Mesh};
-use crate::texture::{BitmapSettings, Texture};
+use crate::texture::{BitmapSettings, Texture, TextureStore};
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 
@@ -77,6 +82,30 @@ impl Stage {
     fn lenient(mut self) -> Self {
         self.options.lenient = true;
         self
+    }
+
+    /// Reads textures and meshes from files, instead of standing in for them.
+    fn with_files(mut self) -> Self {
+        self.options.textures = Arc::new(TextureStore::new(1 << 24));
+        self.options.load_mesh = crate::scene::import::mesh::load;
+        self
+    }
+
+    /// Limits what files may grow to.
+    fn limit(&mut self, bytes: u64) {
+        let decode = DecodeLimit { bytes };
+        self.options.decode = decode;
+        self.options.textures = Arc::new(TextureStore::new(1 << 28).with_limit(decode));
+    }
+
+    fn path(&self, name: &str) -> std::path::PathBuf {
+        self.directory.path().join(name)
+    }
+
+    /// Writes an EXR of `size` with that value in every channel of every pixel.
+    fn exr(&self, name: &str, size: usize, value: f32) {
+        let pixel = |_, _| (value, value, value);
+        exr::prelude::write_rgb_file(self.path(name), size, size, pixel).unwrap();
     }
 
     /// Loads `text` as the scene.

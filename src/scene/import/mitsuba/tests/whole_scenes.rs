@@ -121,7 +121,7 @@ fn the_kitchens_six_missing_meshes_are_named() {
     let options = ImportOptions::new(Arc::new(Asked::default()));
     let error = mitsuba::load(&directory.join("kitchen/kitchen.xml"), &options).unwrap_err();
     let message = error.to_string();
-    assert!(message.contains("6 meshes are missing"), "{message}");
+    assert!(message.ends_with("\n6 errors"), "{message}");
     for name in ["054", "090", "145", "273", "275", "294"] {
         assert!(message.contains(&format!("Mesh{name}.obj")), "{message}");
     }

@@ -18,6 +18,7 @@ mod map;
 mod words;
 
 use super::palette::{self, Paint};
+use crate::bsdf::material::Turning;
 use crate::bsdf::material::{Distribution, Roughness, white};
 use crate::bsdf::{Material, MaterialId};
 use crate::image::file::ImageFile;
@@ -118,7 +119,11 @@ impl Reader<'_> {
         } else {
             let mut id = self.opaque(illum, colored)?;
             if let Some(normals) = self.normals()? {
-                let normals = Material::NormalMap { normals, inner: id };
+                let normals = Material::NormalMap {
+                    normals,
+                    turning: Turning::default(),
+                    inner: id,
+                };
                 id = self.parts.materials.push(normals);
             }
             self.parts.materials.push(Material::TwoSided {
