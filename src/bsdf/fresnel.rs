@@ -103,14 +103,21 @@ fn ratio(a: f32, b: f32) -> f32 {
 /// outside, carried inside by the conservation of etendue: `1 - Fi = (1 - Fe) / eta^2`.
 #[inline]
 pub(super) fn internal_diffuse_reflectance(eta: f32) -> f32 {
+    1.0 - internal_diffuse_transmittance(eta)
+}
+
+/// What of that light gets out. It keeps its digits where nearly nothing does.
+#[inline]
+pub(super) fn internal_diffuse_transmittance(eta: f32) -> f32 {
     if eta <= 2.0 {
         let e = 1.0 / eta;
-        return (0.6681 + e * (0.7099 - 1.4399 * e) + 0.0636 * eta).clamp(0.0, 0.999);
+        let reflected = 0.6681 + e * (0.7099 - 1.4399 * e) + 0.0636 * eta;
+        return 1.0 - reflected.clamp(0.0, 0.999);
     }
     let e = 1.0 / eta;
     let outside =
         0.919_317 + e * (-3.4793 + e * (6.75335 + e * (-7.80989 + e * (4.98554 + e * -1.36881))));
-    1.0 - (1.0 - outside) / (eta * eta)
+    (1.0 - outside) / (eta * eta)
 }
 
 /// Mirror reflection of `w` about the unit normal `m`.

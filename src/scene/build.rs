@@ -155,6 +155,7 @@ fn surface_of(shape: Shape, materials: &Materials) -> Surface {
     let needs = Needs {
         tangents: materials.needs_tangents(shape.material),
         normal_change: materials.needs_normal_change(shape.material),
+        footprint: materials.filters(shape.material),
     };
     Surface {
         form: match shape.geometry {
