@@ -110,9 +110,11 @@ impl Importer<'_> {
             Some(id) => id,
             None => self.surface(material, variant, core)?,
         };
+        // What is half there sends half of the light: coverage counts for all that a surface does.
+        let opacity = self.parts.materials.opacity_texture(id);
         let finish = Finish {
             material: id,
-            emission,
+            emission: emission.map(|e| e.times(opacity)),
             both_sides: material.double_sided,
         };
         self.finishes.insert(variant, finish.clone());
