@@ -138,9 +138,7 @@ unsafe fn meet(
         )
     };
     let kept = shape.crossings(org, dir, tmin, tmax).find(|c| {
-        let hit = data
-            .numbers
-            .hit(c.t, (c.u, c.v), 0, data.number, instance);
+        let hit = data.numbers.hit(c.t, (c.u, c.v), 0, data.number, instance);
         mask::keeps(&**opacity, original, &hit, c.wall)
     })?;
     Some((kept.t, kept.u, kept.v))

@@ -55,7 +55,9 @@ pub(super) fn finish(mut raw: Raw, options: &MeshOptions) -> Result<Loaded, Unus
     }
     shade(&mut raw, options, &mut warnings);
     raw.tangents = match raw.normals {
-        Some(_) => raw.tangents.map(|list| normals::tangents(list, &options.to_world)),
+        Some(_) => raw
+            .tangents
+            .map(|list| normals::tangents(list, &options.to_world)),
         None => None,
     };
     if options.flip_normals {
