@@ -78,58 +78,106 @@ impl ExactShape {
     ///
     /// `dir` need not be of unit length; `t` counts in its lengths.
     pub fn intersect(&self, org: Vec3, dir: Vec3, tmin: f32, tmax: f32) -> Option<(f32, f32, f32)> {
-        let (t, p) = self.cross(org, dir, tmin, tmax)?;
-        let (u, v) = match self.kind {
-            ExactKind::Sphere => (turn(p), p.truncate().length().atan2(p.z) / PI),
-            ExactKind::Disk => (p.truncate().length(), turn(p)),
-            ExactKind::Cylinder => (turn(p), p.z.clamp(0.0, 1.0)),
-            ExactKind::Rectangle => (0.5 * (p.x + 1.0), 0.5 * (p.y + 1.0)),
-        };
-        Some((t, u as f32, v as f32))
+        let nearest = self.crossings(org, dir, tmin, tmax).next()?;
+        Some((nearest.t, nearest.u, nearest.v))
     }
 
-    /// Whether the line crosses the shape with `t` in `[tmin, tmax]`.
-    pub fn occludes(&self, org: Vec3, dir: Vec3, tmin: f32, tmax: f32) -> bool {
-        self.cross(org, dir, tmin, tmax).is_some()
-    }
-
-    /// Nearest crossing: the distance, and the point in unit space.
-    fn cross(&self, org: Vec3, dir: Vec3, tmin: f32, tmax: f32) -> Option<(f32, DVec3)> {
-        let m = &self.to_object.matrix3;
-        let columns = [m.x_axis, m.y_axis, m.z_axis].map(|c| Vec3::from(c).as_dvec3());
-        let map = |v: DVec3| columns[0] * v.x + columns[1] * v.y + columns[2] * v.z;
-        let o = map(org.as_dvec3() - Vec3::from(self.to_world.translation).as_dvec3());
-        let d = map(dir.as_dvec3());
-        let accept = |t: f64| {
+    /// All crossings of that line, the nearest first: curved shapes have two walls.
+    #[inline]
+    pub fn crossings(
+        &self,
+        org: Vec3,
+        dir: Vec3,
+        tmin: f32,
+        tmax: f32,
+    ) -> impl Iterator<Item = Crossing> + use<> {
+        let (kind, o, d) = (self.kind, self.to_unit(org), self.turned(dir));
+        let accept = move |t: f64| {
             let t = t as f32;
             t >= tmin && t <= tmax
         };
-        let roots = match self.kind {
-            ExactKind::Sphere => round_roots(o, d, o.dot(d), d.length_squared())?,
-            ExactKind::Cylinder => {
-                let (o2, d2) = (o.with_z(0.0), d.with_z(0.0));
-                round_roots(o2, d2, o2.dot(d2), d2.length_squared())?
-            }
-            ExactKind::Disk | ExactKind::Rectangle => {
-                let t = -o.z / d.z;
-                [t, t]
-            }
-        };
-        let hit = roots
+        roots(kind, o, d)
             .into_iter()
-            .map(|t| (t, o + d * t))
-            .find(|&(t, p)| accept(t) && self.covers(p));
-        hit.map(|(t, p)| (t as f32, p))
+            .enumerate()
+            .map(move |(wall, t)| (wall as u32, t, o + d * t))
+            .filter(move |&(_, t, p)| accept(t) && covers(kind, p))
+            .map(move |(wall, t, p)| {
+                let (u, v) = coordinates(kind, p);
+                Crossing {
+                    t: t as f32,
+                    u: u as f32,
+                    v: v as f32,
+                    wall,
+                }
+            })
     }
 
-    /// Whether a point on the shape's infinite surface belongs to the shape.
-    fn covers(&self, p: DVec3) -> bool {
-        match self.kind {
-            ExactKind::Sphere => true,
-            ExactKind::Disk => p.truncate().length_squared() <= 1.0,
-            ExactKind::Cylinder => (0.0..=1.0).contains(&p.z),
-            ExactKind::Rectangle => p.x.abs() <= 1.0 && p.y.abs() <= 1.0,
+    /// A place in unit space, relative to the shape's centre before it is transformed.
+    #[inline]
+    fn to_unit(&self, p: Vec3) -> DVec3 {
+        let center = Vec3::from(self.to_world.translation).as_dvec3();
+        self.map(p.as_dvec3() - center)
+    }
+
+    #[inline]
+    fn turned(&self, dir: Vec3) -> DVec3 {
+        self.map(dir.as_dvec3())
+    }
+
+    #[inline]
+    fn map(&self, v: DVec3) -> DVec3 {
+        let m = &self.to_object.matrix3;
+        let columns = [m.x_axis, m.y_axis, m.z_axis].map(|c| Vec3::from(c).as_dvec3());
+        columns[0] * v.x + columns[1] * v.y + columns[2] * v.z
+    }
+}
+
+/// Where a line crosses an exact shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    /// Distance in lengths of the direction.
+    pub t: f32,
+    /// First surface coordinate.
+    pub u: f32,
+    /// Second surface coordinate.
+    pub v: f32,
+    /// 0 for the wall that the line comes to first, wherever on it a ray begins; 1 for the other.
+    pub wall: u32,
+}
+
+/// Where a line in unit space meets the shape's infinite surface, the nearest first; not a number
+/// where it does not.
+#[inline]
+fn roots(kind: ExactKind, o: DVec3, d: DVec3) -> [f64; 2] {
+    match kind {
+        ExactKind::Sphere => round_roots(o, d, o.dot(d), d.length_squared()),
+        ExactKind::Cylinder => {
+            let (o2, d2) = (o.with_z(0.0), d.with_z(0.0));
+            round_roots(o2, d2, o2.dot(d2), d2.length_squared())
         }
+        ExactKind::Disk | ExactKind::Rectangle => [-o.z / d.z, f64::NAN],
+    }
+}
+
+/// Whether a point on the shape's infinite surface belongs to the shape.
+#[inline]
+fn covers(kind: ExactKind, p: DVec3) -> bool {
+    match kind {
+        ExactKind::Sphere => true,
+        ExactKind::Disk => p.truncate().length_squared() <= 1.0,
+        ExactKind::Cylinder => (0.0..=1.0).contains(&p.z),
+        ExactKind::Rectangle => p.x.abs() <= 1.0 && p.y.abs() <= 1.0,
+    }
+}
+
+/// The surface coordinates of a point in unit space.
+#[inline]
+fn coordinates(kind: ExactKind, p: DVec3) -> (f64, f64) {
+    match kind {
+        ExactKind::Sphere => (turn(p), p.truncate().length().atan2(p.z) / PI),
+        ExactKind::Disk => (p.truncate().length(), turn(p)),
+        ExactKind::Cylinder => (turn(p), p.z.clamp(0.0, 1.0)),
+        ExactKind::Rectangle => (0.5 * (p.x + 1.0), 0.5 * (p.y + 1.0)),
     }
 }
 
@@ -139,17 +187,17 @@ impl ExactShape {
 /// b^2 - 4ac subtracts numbers that grow with the square of the distance (Haines et al., "Precision
 /// Improvements for Ray/Sphere Intersection", Ray Tracing Gems 2019). The smaller root in magnitude
 /// comes from the product of the roots, c / q, which subtracts nothing.
-fn round_roots(o: DVec3, d: DVec3, od: f64, dd: f64) -> Option<[f64; 2]> {
+fn round_roots(o: DVec3, d: DVec3, od: f64, dd: f64) -> [f64; 2] {
     let closest = o - d * (od / dd);
     let discriminant = 1.0 - closest.length_squared();
     // Written so that a NaN (a zero direction, a degenerate map) is a miss.
     if !(discriminant >= 0.0 && dd > 0.0) {
-        return None;
+        return [f64::NAN; 2];
     }
     let q = -od - (dd * discriminant).sqrt().copysign(od);
     let c = o.length_squared() - 1.0;
     let (far, near) = (q / dd, if q == 0.0 { 0.0 } else { c / q });
-    Some(if far < near { [far, near] } else { [near, far] })
+    if far < near { [far, near] } else { [near, far] }
 }
 
 /// Angle of `p` around z from +x, as a fraction of a turn in `[0, 1)`.

@@ -26,6 +26,9 @@ pub(super) struct Lookup<'a> {
     pub point: &'a SurfacePoint<'a>,
 }
 
+/// Largest value of a colour: no surface reflects as much, and the models' products stay finite.
+const MOST: f32 = 1e4;
+
 /// Indices of refraction that the equations bear without overflow.
 pub(super) fn sane_eta(eta: f32) -> f32 {
     if eta.is_finite() {
@@ -37,7 +40,7 @@ pub(super) fn sane_eta(eta: f32) -> f32 {
 
 impl Lookup<'_> {
     pub fn color(&self, t: &Texture) -> Rgb {
-        t.eval(self.point)
+        t.eval(self.point).min(Rgb::splat(MOST))
     }
 
     pub fn scalar(&self, t: &Texture) -> f32 {

@@ -9,8 +9,8 @@ use super::resolve::Resolver;
 use super::transmittance::{RoughTransmittance, rough_transmittance};
 use super::tree::Tree;
 use super::{Bsdf, LobeFlags, MaterialId};
-use crate::math::{Vec3, luminance};
-use crate::texture::SurfacePoint;
+use crate::math::{Rgb, Vec3, luminance};
+use crate::texture::{SurfacePoint, Texture};
 
 /// All materials of a scene.
 #[derive(Debug, Default)]
@@ -139,6 +139,19 @@ impl Materials {
                 (1.0 - w) * of(*first) + w * of(*second)
             }
             model => inner_materials(model).next().map_or(1.0, of),
+        }
+    }
+
+    /// The same as a texture; a blend counts as its first part.
+    pub fn opacity_texture(&self, id: MaterialId) -> Texture {
+        let Some(prepared) = self.list.get(id as usize).filter(|p| p.masked) else {
+            return Texture::Constant(Rgb::ONE);
+        };
+        let inner = inner_materials(&prepared.model).next().filter(|i| *i < id);
+        let inside = inner.map_or(Texture::Constant(Rgb::ONE), |i| self.opacity_texture(i));
+        match &prepared.model {
+            Material::Mask { opacity, .. } => opacity.clone().times(inside),
+            _ => inside,
         }
     }
 

@@ -71,6 +71,7 @@ pub struct BsdfSample {
 
 mod apart;
 mod facet_albedo;
+mod filtering;
 mod fresnel;
 mod layer;
 mod lobes;

@@ -87,7 +87,7 @@ fn is_anisotropic(material: &Material) -> bool {
 }
 
 /// The textures a material itself looks up, without those of inner materials.
-fn textures(material: &Material) -> Vec<&Texture> {
+pub(super) fn textures(material: &Material) -> Vec<&Texture> {
     match material {
         Material::Diffuse { reflectance } => vec![reflectance],
         Material::RoughDiffuse {

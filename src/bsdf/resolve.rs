@@ -8,7 +8,7 @@ use super::material::Turning;
 use super::perturb::{Perturbation, bumped_normal};
 use super::tree::{Mix, Node, NodeId, Tree};
 use super::{Material, MaterialId};
-use crate::math::{Frame, Vec2, Vec3};
+use crate::math::{Frame, Vec2, Vec3, luminance};
 use crate::texture::Texture;
 
 /// Resolving one material at one point into a tree.
@@ -111,34 +111,33 @@ impl Resolver<'_> {
         self.tree.push(Node::Perturbed(p, inner))
     }
 
-    /// The local normal under a displacement texture, whose gradient is a central difference over the
-    /// pixel's width, or over a ten-thousandth of the texture where that is not known: less than a
-    /// texel of an 8k image, and still a thousand times the rounding of f32 texture coordinates.
+    /// The local normal under a displacement texture.
     fn bump(&self, displacement: &Texture, scale: f32, frame: &Frame) -> Vec3 {
         if displacement.constant().is_some() {
             return Vec3::Z;
         }
         let p = self.lookup.point;
-        let step = |axis: Vec3| {
-            let width = 0.5 * p.footprint / axis.length();
-            if width.is_finite() {
-                width.clamp(1e-4, 0.1)
-            } else {
-                1e-4
-            }
+        let gradient = match displacement.gradient(p) {
+            Some([u, v]) => Vec2::new(luminance(u), luminance(v)),
+            None => Vec2::new(
+                self.slope(displacement, Vec2::X, p.dp_du),
+                self.slope(displacement, Vec2::Y, p.dp_dv),
+            ),
         };
-        let slope = |axis: Vec3, offset: Vec2| {
-            let at = |sign: f32| {
-                let mut moved = *p;
-                moved.uv += offset * sign;
-                moved.p += axis * (sign * offset.length());
-                displacement.eval_scalar(&moved)
-            };
-            scale * (at(1.0) - at(-1.0)) / (2.0 * offset.length())
+        bumped_normal(frame, p.ng, (p.dp_du, p.dp_dv), gradient * scale)
+    }
+
+    /// Change of a texture along u or v, which move the point by `axis`: a central difference over two
+    /// ten-thousandths of the texture, a thousand times the rounding of f32 texture coordinates.
+    fn slope(&self, texture: &Texture, along: Vec2, axis: Vec3) -> f32 {
+        const STEP: f32 = 1e-4;
+        let at = |step: f32| {
+            let mut moved = *self.lookup.point;
+            moved.uv += along * step;
+            moved.p += axis * step;
+            texture.eval_scalar(&moved)
         };
-        let du = slope(p.dp_du, Vec2::new(step(p.dp_du), 0.0));
-        let dv = slope(p.dp_dv, Vec2::new(0.0, step(p.dp_dv)));
-        bumped_normal(frame, p.ng, (p.dp_du, p.dp_dv), Vec2::new(du, dv))
+        (at(STEP) - at(-STEP)) / (2.0 * STEP)
     }
 
     /// A sum of any number of parts as a chain of sums of two.

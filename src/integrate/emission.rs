@@ -8,9 +8,10 @@ use super::chain::Station;
 use super::vertex::Walk;
 use super::wave::{Outcome, Path};
 use crate::accel::Ray;
-use crate::light::{EmitterId, Shining};
+use crate::light::Shining;
 use crate::math::mis::power_heuristic;
 use crate::math::{Rgb, Vec3};
+use crate::scene::surface::Surface;
 use crate::texture::SurfacePoint;
 
 /// Adds what shines from outside the scene.
@@ -58,7 +59,7 @@ fn chained(walk: &Walk, path: &Path, stations: &[Station], light: Shining) -> f3
 /// Adds what the surface itself emits.
 pub(super) fn add_emission(
     walk: &Walk,
-    emitter: EmitterId,
+    surface: &Surface,
     (point, wo): (&SurfacePoint, Vec3),
     path: &Path,
     stations: &[Station],
@@ -70,10 +71,11 @@ pub(super) fn add_emission(
     if path.depth == 0 && settings.hide_emitters {
         return;
     }
-    let radiance = scene.lights.emitted(emitter, point, wo);
+    let radiance = scene.emitted(surface, point, wo);
     if radiance == Rgb::ZERO {
         return;
     }
+    let emitter = surface.emitter;
     let weight = if path.pdf.is_finite() {
         let (from, n) = (path.from, path.from_normal);
         let lights = &scene.lights;

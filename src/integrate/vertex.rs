@@ -106,7 +106,7 @@ pub fn visit<'s, const GUIDED: bool>(
     if surface.emitter != DARK {
         add_emission(
             walk,
-            surface.emitter,
+            surface,
             (&point, wo),
             path,
             watched.stations,

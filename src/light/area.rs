@@ -23,7 +23,8 @@ pub(super) struct AreaEmitter {
     /// The radiance, if it is the same everywhere.
     constant: Option<Rgb>,
     shape: EmitterShape,
-    /// The leaf of each triangle, or of the exact shape.
+    both_sides: bool,
+    /// The leaf of each triangle, or of the exact shape; then those of the backs, if they glow.
     leaf_of: Vec<u32>,
 }
 
@@ -37,12 +38,13 @@ pub(super) fn sanitized(c: Rgb) -> Rgb {
 const PROBES: usize = 16;
 
 impl AreaEmitter {
-    pub fn new(shape: EmitterShape, radiance: Texture) -> Self {
+    pub fn new(shape: EmitterShape, radiance: Texture, both_sides: bool) -> Self {
         let constant = radiance.constant().map(sanitized);
         Self {
             radiance,
             constant,
             shape,
+            both_sides,
             leaf_of: Vec::new(),
         }
     }
@@ -52,30 +54,55 @@ impl AreaEmitter {
         if self.constant == Some(Rgb::ZERO) {
             return Vec::new();
         }
-        let (parts, prims) = match &self.shape.shape {
-            Shape::Exact(exact) => (exact_leaf(exact, self.shape.flip_normals), 1),
-            Shape::Triangles(mesh) => (
-                mesh_leaves(mesh, self.shape.flip_normals, self.constant.is_some()),
-                mesh.triangles().len(),
-            ),
-        };
-        let mut leaf_of = vec![DARK; prims];
-        let mut leaves = Vec::with_capacity(parts.len());
+        let count = self.prim_count();
+        let sides = if self.both_sides { 2 } else { 1 };
+        let mut leaf_of = vec![DARK; count * sides];
+        let mut leaves = Vec::new();
         let floor = self
             .constant
             .unwrap_or_else(|| sanitized(self.radiance.mean()));
-        for (leaf, prims) in parts {
-            let radiance = self.constant.unwrap_or_else(|| self.probe(&leaf, floor));
-            if selection_weight(radiance) <= 0.0 {
-                continue;
+        for side in 0..sides {
+            for (leaf, prims) in self.side(side == 1) {
+                let radiance = self.constant.unwrap_or_else(|| self.probe(&leaf, floor));
+                if selection_weight(radiance) <= 0.0 {
+                    continue;
+                }
+                for prim in prims.into_iter().flatten() {
+                    leaf_of[side * count + prim as usize] = (first + leaves.len()) as u32;
+                }
+                leaves.push((leaf, radiance));
             }
-            for prim in prims.into_iter().flatten() {
-                leaf_of[prim as usize] = (first + leaves.len()) as u32;
-            }
-            leaves.push((leaf, radiance));
         }
         self.leaf_of = leaf_of;
         leaves
+    }
+
+    fn prim_count(&self) -> usize {
+        match &self.shape.shape {
+            Shape::Exact(_) => 1,
+            Shape::Triangles(mesh) => mesh.triangles().len(),
+        }
+    }
+
+    /// The parts of one side, each with the primitives that it stands for.
+    fn side(&self, back: bool) -> Vec<(Leaf, [Option<u32>; 2])> {
+        let flip = self.shape.flip_normals != back;
+        match &self.shape.shape {
+            Shape::Exact(exact) => exact_leaf(exact, flip),
+            Shape::Triangles(mesh) => mesh_leaves(mesh, flip, self.constant.is_some()),
+        }
+    }
+
+    /// Whether light leaves at this cosine to the surface's normal.
+    #[inline]
+    pub fn shines(&self, cos: f32) -> bool {
+        cos > 0.0 || (self.both_sides && cos < 0.0)
+    }
+
+    /// Whether the back glows by itself.
+    #[inline]
+    pub fn both_sides(&self) -> bool {
+        self.both_sides
     }
 
     /// Mean radiance of a leaf, from a few places on it; never far below the texture's own mean, so that
@@ -91,17 +118,18 @@ impl AreaEmitter {
         sum * (0.9 / PROBES as f32) + floor * 0.1
     }
 
-    /// The leaf a primitive became, or [`DARK`].
+    /// The leaf that a primitive's front or back became, or [`DARK`].
     #[inline]
-    pub fn leaf(&self, prim: u32) -> u32 {
+    pub fn leaf(&self, prim: u32, back: bool) -> u32 {
         let prim = match self.shape.shape {
             Shape::Exact(_) => 0,
             Shape::Triangles(_) => prim as usize,
         };
-        self.leaf_of.get(prim).copied().unwrap_or(DARK)
+        let first = if back { self.leaf_of.len() / 2 } else { 0 };
+        self.leaf_of.get(first + prim).copied().unwrap_or(DARK)
     }
 
-    /// Radiance at a surface point, on the glowing side.
+    /// Radiance at a surface point, on a glowing side.
     #[inline]
     pub fn radiance(&self, point: &SurfacePoint) -> Rgb {
         self.constant

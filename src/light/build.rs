@@ -61,10 +61,15 @@ impl Gathered {
     fn add(&mut self, id: EmitterId, emitter: Emitter, shapes: &[EmitterShape]) {
         let mut area = None;
         match emitter {
-            Emitter::Area { shape, radiance } => {
+            Emitter::Area {
+                shape,
+                radiance,
+                both_sides,
+            } => {
                 // A number without a shape is a mistake of the caller's that costs this light alone.
                 if let Some(shape) = shapes.get(shape as usize) {
-                    area = Some(self.add_area(id, shape.clone(), radiance));
+                    let glowing = AreaEmitter::new(shape.clone(), radiance, both_sides);
+                    area = Some(self.add_area(id, glowing));
                 }
             }
             Emitter::Point {
@@ -106,13 +111,7 @@ impl Gathered {
         self.areas.push(area);
     }
 
-    fn add_area(
-        &mut self,
-        id: EmitterId,
-        shape: EmitterShape,
-        radiance: crate::texture::Texture,
-    ) -> AreaEmitter {
-        let mut area = AreaEmitter::new(shape, radiance);
+    fn add_area(&mut self, id: EmitterId, mut area: AreaEmitter) -> AreaEmitter {
         let leaves = area.leaves(self.leaves.len());
         self.leaves
             .extend(leaves.into_iter().map(|(leaf, mean)| (id, leaf, mean)));

@@ -34,12 +34,14 @@ pub struct SunSky {
 /// An emitter as a scene file describes it. Positions and directions are in world space.
 #[derive(Clone, Debug)]
 pub enum Emitter {
-    /// A shape that glows on the side of its normal.
+    /// A shape that glows.
     Area {
         /// Index into the shapes given to [`super::Lights::build`].
         shape: u32,
         /// Emitted radiance.
         radiance: Texture,
+        /// Glows on both sides, not on that of its normal alone.
+        both_sides: bool,
     },
     /// A point.
     Point {

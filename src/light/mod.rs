@@ -278,7 +278,9 @@ impl Lights {
         else {
             return 0.0;
         };
-        let leaf = area.leaf(prim);
+        let back = area.both_sides() && ng.dot(p - q) < 0.0;
+        let ng = if back { -ng } else { ng };
+        let leaf = area.leaf(prim, back);
         if leaf == DARK || (n != Vec3::ZERO && n.dot(q - p) <= 0.0) {
             return 0.0;
         }
@@ -313,11 +315,11 @@ impl Lights {
         (radiance, density * self.distant_share(p, n))
     }
 
-    /// Radiance that area emitter `emitter` sends from `point` along `wo` (unit, away from the surface); 0 from its dark side.
+    /// Radiance that area emitter `emitter` sends from `point` along `wo` (unit, away from the surface); 0 from a dark side.
     #[inline]
     pub fn emitted(&self, emitter: EmitterId, point: &SurfacePoint, wo: Vec3) -> Rgb {
         match self.areas.get(emitter as usize) {
-            Some(Some(area)) if point.ng.dot(wo) > 0.0 => area.radiance(point),
+            Some(Some(area)) if area.shines(point.ng.dot(wo)) => area.radiance(point),
             _ => Rgb::ZERO,
         }
     }

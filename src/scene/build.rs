@@ -6,8 +6,8 @@ use super::surface::{DARK, Form, Needs, Surface, Surfaces};
 use crate::accel::{self, AccelError, Backend, BuildSettings, RayQuery, World};
 use crate::bsdf::Materials;
 use crate::light::{Emitter, EmitterShape, Lights};
-use crate::math::Affine3A;
-use crate::texture::MeshAttributes;
+use crate::math::{Affine3A, Rgb, Vec3};
+use crate::texture::{MeshAttributes, SurfacePoint, Texture};
 use std::sync::Arc;
 
 /// A scene ready to render, from any camera.
@@ -31,7 +31,7 @@ impl Scene {
         backend: Backend,
     ) -> Result<Self, AccelError> {
         let materials = std::mem::take(&mut description.materials);
-        let (emitters, glowing) = glowing_shapes(description);
+        let (emitters, glowing) = glowing_shapes(description, &materials);
         let world = world_of(description, &materials);
         let instances = world
             .instances
@@ -67,20 +67,68 @@ impl Scene {
 /// The lights of a scene that is not built: for saying what is odd about them. Emitters move out of the
 /// description.
 pub fn lights_of(description: &mut Description) -> Lights {
-    let (emitters, glowing) = glowing_shapes(description);
-    let bounds = accel::world_bounds(&world_of(description, &description.materials));
+    let materials = std::mem::take(&mut description.materials);
+    let (emitters, glowing) = glowing_shapes(description, &materials);
+    let bounds = accel::world_bounds(&world_of(description, &materials));
+    description.materials = materials;
     Lights::build(emitters, &glowing, bounds, bounds)
 }
 
+impl Scene {
+    /// Radiance that a surface sends from a point where a ray met it, along `wo`.
+    ///
+    /// Opacity is no matter of what a surface emits (Mitsuba's meaning). Rays meet it by the chance of
+    /// its opacity, so what they find there is worth more; light samples need no such chance.
+    #[inline]
+    pub fn emitted(&self, surface: &Surface, point: &SurfacePoint, wo: Vec3) -> Rgb {
+        let radiance = self.lights.emitted(surface.emitter, point, wo);
+        let materials = &self.surfaces.materials;
+        if !materials.is_masked(surface.material) {
+            return radiance;
+        }
+        // As the ray tracer asked for it.
+        let finest = SurfacePoint {
+            footprint: 0.0,
+            ..*point
+        };
+        let opacity = materials.opacity(surface.material, &finest);
+        if opacity > 0.0 {
+            radiance / opacity
+        } else {
+            Rgb::ZERO
+        }
+    }
+}
+
+/// The radiance without that of places that are cut out: rays never meet those, so light must not be
+/// sampled there either.
+fn uncut(radiance: Texture, opacity: Texture) -> Texture {
+    match opacity.constant() {
+        Some(c) if c.max_element() > 0.0 => radiance,
+        Some(_) => Texture::Constant(Rgb::ZERO),
+        None => radiance.times(Texture::Threshold(Arc::new((opacity, f32::MIN_POSITIVE)))),
+    }
+}
+
 /// The emitters, with area emitters renumbered to the list of glowing shapes that comes with them.
-fn glowing_shapes(description: &mut Description) -> (Vec<Emitter>, Vec<EmitterShape>) {
+fn glowing_shapes(
+    description: &mut Description,
+    materials: &Materials,
+) -> (Vec<Emitter>, Vec<EmitterShape>) {
     let mut glowing = Vec::new();
     let mut emitters = std::mem::take(&mut description.emitters);
     for emitter in &mut emitters {
-        let Emitter::Area { shape, .. } = emitter else {
+        let Emitter::Area {
+            shape, radiance, ..
+        } = emitter
+        else {
             continue;
         };
         let source = &description.shapes[*shape as usize];
+        if materials.is_masked(source.material) {
+            let opacity = materials.opacity_texture(source.material);
+            *radiance = uncut(radiance.clone(), opacity);
+        }
         *shape = glowing.len() as u32;
         glowing.push(match &source.geometry {
             Geometry::Mesh(mesh) => EmitterShape {
@@ -151,6 +199,7 @@ fn surface_of(shape: Shape, materials: &Materials) -> Surface {
     let needs = Needs {
         tangents: materials.needs_tangents(shape.material),
         normal_change: materials.needs_normal_change(shape.material),
+        footprint: materials.filters(shape.material),
     };
     Surface {
         form: match shape.geometry {

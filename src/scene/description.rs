@@ -5,7 +5,7 @@ use crate::bsdf::{MaterialId, Materials};
 use crate::camera::CameraDescription;
 use crate::film::FilmDescription;
 use crate::light::Emitter;
-use crate::math::{DAffine3, DVec3, Vec2, Vec3};
+use crate::math::{DAffine3, DVec3, Vec2, Vec3, Vec4};
 use crate::texture::MeshAttributes;
 use std::sync::Arc;
 
@@ -16,6 +16,9 @@ pub struct Mesh {
     pub triangles: Arc<TriangleMesh>,
     /// Unit shading normals, one for each vertex; `None` for flat shading.
     pub normals: Option<Vec<Vec3>>,
+    /// Tangents that a file gives, one for each vertex, instead of those that follow from texture coordinates:
+    /// unit directions along u, and 1, or -1 where the texture is laid on back to front.
+    pub tangents: Option<Vec<Vec4>>,
     /// Texture coordinates, one for each vertex.
     pub uvs: Option<Arc<Vec<Vec2>>>,
     /// Named values.

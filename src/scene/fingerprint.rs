@@ -98,6 +98,8 @@ impl Print {
         self.bytes(bytemuck::cast_slice(mesh.triangles.triangles()));
         let normals = mesh.normals.as_deref().unwrap_or(&[]);
         self.bytes(bytemuck::cast_slice(normals));
+        let tangents = mesh.tangents.as_deref().unwrap_or(&[]);
+        self.bytes(bytemuck::cast_slice(tangents));
         let uvs = mesh.uvs.as_ref().map_or(&[][..], |uvs| uvs);
         self.bytes(bytemuck::cast_slice(uvs));
         for attribute in &mesh.attributes.list {

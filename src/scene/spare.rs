@@ -129,6 +129,7 @@ mod tests {
         Arc::new(Mesh {
             triangles: Arc::new(TriangleMesh::new(corners, vec![[0, 1, 2]]).unwrap()),
             normals: None,
+            tangents: None,
             uvs: Some(Arc::new(vec![Vec2::ZERO; 3])),
             attributes: MeshAttributes {
                 list: vec![attribute("vertex_color"), attribute("vertex_heat")],
@@ -224,6 +225,7 @@ mod tests {
         glowing.emitters.push(Emitter::Area {
             shape: 0,
             radiance: lines(),
+            both_sides: false,
         });
         assert_eq!(trim(&mut glowing).uv_meshes, 0);
     }

@@ -53,6 +53,8 @@ pub struct Needs {
     pub tangents: bool,
     /// Change of the normal with u and v (bump maps).
     pub normal_change: bool,
+    /// The width of a ray's cone, for textures that may be read as averages over it.
+    pub footprint: bool,
 }
 
 /// All surfaces of a scene.
@@ -81,13 +83,18 @@ impl Surfaces {
         let surface = &self.list[hit.shape as usize];
         if hit.instance == NO_INSTANCE {
             let mut point = surface.local_point(ray.at(hit.t), hit);
-            point.footprint = footprint;
+            point.footprint = surface.footprint(footprint);
             return point;
         }
         let (to_world, to_group) = &self.instances[hit.instance as usize];
         let met = to_group.transform_point3(ray.at(hit.t));
-        let mut point = to_world_point(surface.local_point(met, hit), to_world, to_group);
-        point.footprint = footprint;
+        let local = surface.local_point(met, hit);
+        let along = match &surface.form {
+            Form::Mesh(mesh) if mesh.tangents.is_some() => local.frame.s,
+            _ => local.dp_du,
+        };
+        let mut point = to_world_point(local, along, to_world, to_group);
+        point.footprint = surface.footprint(footprint);
         point
     }
 }
@@ -139,6 +146,12 @@ impl Opacity for Surfaces {
 }
 
 impl Surface {
+    /// The width that textures are averaged over, of a cone of this width.
+    #[inline(always)]
+    fn footprint(&self, width: f32) -> f32 {
+        if self.needs.footprint { width } else { 0.0 }
+    }
+
     /// The point in the shape's own space (world space unless it is in a group).
     #[inline(always)]
     fn local_point(&self, met: Vec3, hit: &Hit) -> SurfacePoint<'_> {
@@ -208,7 +221,7 @@ fn mesh_point<'a>(mesh: &'a Mesh, hit: &Hit, needs: Needs) -> SurfacePoint<'a> {
     if needs.tangents {
         let along = UvInverse::new(corner_uvs);
         (point.dp_du, point.dp_dv) = along.map_or_else(|| tangents_of(ng), |m| m.apply(e1, e2));
-        point.frame = Frame::with_tangent(n, point.dp_du);
+        point.frame = Frame::with_tangent(n, given_tangent(mesh, hit).unwrap_or(point.dp_du));
         if let (true, Some(m), Some(normals)) = (needs.normal_change, along, corner_normals) {
             change_normal(&mut point, &m, normals);
         }
@@ -224,6 +237,16 @@ fn change_normal(point: &mut SurfacePoint, along: &UvInverse, [na, nb, nc]: [Vec
     let scale = mean.length().max(1e-6).recip();
     point.dn_du = (du - n * n.dot(du)) * scale;
     point.dn_dv = (dv - n * n.dot(dv)) * scale;
+}
+
+/// The tangent that the mesh's file gives for a point, if it gives any: it wins over that along u.
+#[inline]
+fn given_tangent(mesh: &Mesh, hit: &Hit) -> Option<Vec3> {
+    let tangents = mesh.tangents.as_ref()?;
+    let corners = mesh.triangles.triangles()[hit.prim as usize];
+    let [a, b, c] = corners.map(|i| tangents[i as usize].truncate());
+    let tangent = a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v;
+    (tangent.length_squared() > 1e-6).then_some(tangent)
 }
 
 /// Tangents where the texture coordinates give none.
@@ -376,8 +399,10 @@ fn transform_error(map: &Affine3A, p: Vec3) -> Vec3 {
     terms * (ERROR_SAFETY * gamma(7))
 }
 
+/// A point of a group where an instance stands; its frame follows the direction `along`.
 fn to_world_point<'a>(
     local: SurfacePoint<'a>,
+    along: Vec3,
     to_world: &Affine3A,
     to_group: &Affine3A,
 ) -> SurfacePoint<'a> {
@@ -386,13 +411,12 @@ fn to_world_point<'a>(
         + Vec3::from(m.y_axis.abs()) * local.error.y
         + Vec3::from(m.z_axis.abs()) * local.error.z;
     let n = normal_to_world(to_group, local.frame.n);
-    let dp_du = to_world.transform_vector3(local.dp_du);
     SurfacePoint {
         p: to_world.transform_point3(local.p),
         error: carried + transform_error(to_world, local.p),
         ng: normal_to_world(to_group, local.ng),
-        frame: Frame::with_tangent(n, dp_du),
-        dp_du,
+        frame: Frame::with_tangent(n, to_world.transform_vector3(along)),
+        dp_du: to_world.transform_vector3(local.dp_du),
         dp_dv: to_world.transform_vector3(local.dp_dv),
         dn_du: (to_group.matrix3.transpose() * local.dn_du),
         dn_dv: (to_group.matrix3.transpose() * local.dn_dv),

@@ -12,7 +12,7 @@
 #[cfg(feature = "oiio")]
 use super::cached::Cached;
 use super::load::Survey;
-use super::place::{level, nearest, neighbours};
+use super::place::{direction, level, nearest, neighbours};
 use super::pyramid::{Half, Pyramid, Texel};
 use super::{BitmapSettings, Filter, SurfacePoint};
 use crate::image::file::{Level, Window};
@@ -193,6 +193,26 @@ impl Bitmap {
                 self.fetch(level, x, y, wx, wy)
             }
         }
+    }
+
+    /// Change of the value with u and with v, where it is interpolated on the finest level; nothing
+    /// changes between texels that are not.
+    pub fn gradient(&self, uv: Vec2) -> [Rgb; 2] {
+        let s = &self.settings;
+        if s.filter == Filter::Nearest {
+            return [Rgb::ZERO; 2];
+        }
+        let at = s.to_uv.0.transform_point2(uv);
+        let size = self.texels.size;
+        let (x, wx) = neighbours(at.x, size.width, s.wrap_u);
+        let (y, wy) = neighbours(at.y, size.height, s.wrap_v);
+        let along = |wx, wy| self.fetch(0, x, y, wx, wy);
+        let scale_x = direction(at.x, s.wrap_u) * size.width as f32;
+        let scale_y = direction(at.y, s.wrap_v) * size.height as f32;
+        let across_x = (along(1.0, wy) - along(0.0, wy)) * scale_x;
+        let across_y = (along(wx, 1.0) - along(wx, 0.0)) * scale_y;
+        let m = s.to_uv.0.matrix2;
+        [m.x_axis, m.y_axis].map(|axis| across_x * axis.x + across_y * axis.y)
     }
 
     /// Number of mip levels.

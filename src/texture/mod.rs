@@ -212,6 +212,18 @@ impl Texture {
         }
     }
 
+    /// Change of the value with u and with v, where it is known exactly.
+    pub fn gradient(&self, point: &SurfacePoint) -> Option<[Rgb; 2]> {
+        let times = |[u, v]: [Rgb; 2], factor: Rgb| [u * factor, v * factor];
+        match self {
+            Texture::Constant(_) => Some([Rgb::ZERO; 2]),
+            Texture::Bitmap(bitmap) => Some(bitmap.gradient(point.uv)),
+            Texture::Scale(scaled) => Some(times(scaled.0.gradient(point)?, scaled.1)),
+            Texture::Affine(affine) => Some(times(affine.0.gradient(point)?, affine.1)),
+            _ => None,
+        }
+    }
+
     /// Another texture with the values of this one times `factor`.
     pub fn scaled(self, factor: Rgb) -> Self {
         match self {
@@ -245,6 +257,28 @@ impl Texture {
             Texture::Threshold(_) => Rgb::splat(0.5),
             Texture::Limited(inner) => limited(inner.mean()),
             Texture::MeshAttribute(_) => Rgb::splat(0.5),
+        }
+    }
+
+    /// Whether the mean of the texture's values is made of the means of its images.
+    pub fn averages(&self) -> bool {
+        let varies = |t: &Texture| t.constant().is_none();
+        match self {
+            Texture::Constant(_) | Texture::Bitmap(_) | Texture::Grid(_) => true,
+            Texture::MeshAttribute(_) => true,
+            Texture::Checkerboard(board) => !varies(&board.color0) && !varies(&board.color1),
+            Texture::Scale(scaled) => scaled.0.averages(),
+            Texture::Affine(affine) => affine.0.averages(),
+            Texture::Product(both) => {
+                let one = !varies(&both.0) || !varies(&both.1);
+                one && both.0.averages() && both.1.averages()
+            }
+            Texture::Threshold(step) => !varies(&step.0),
+            // Cutting commutes with the mean where nothing is cut.
+            Texture::Limited(inner) => {
+                let uncut = inner.largest().is_some_and(|largest| largest <= 1.0);
+                !varies(inner) || uncut && inner.averages()
+            }
         }
     }
 

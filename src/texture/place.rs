@@ -18,6 +18,12 @@ fn wrapped(u: f32, wrap: Wrap) -> f32 {
     }
 }
 
+/// Whether the image runs forwards or backwards at a coordinate: 1 or -1.
+pub(super) fn direction(u: f32, wrap: Wrap) -> f32 {
+    let backwards = wrap == Wrap::Mirror && u - 2.0 * (u * 0.5).floor() > 1.0;
+    if backwards { -1.0 } else { 1.0 }
+}
+
 /// The texel that a coordinate falls into.
 #[inline(always)]
 pub(super) fn nearest(u: f32, size: u32, wrap: Wrap) -> u32 {

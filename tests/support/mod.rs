@@ -97,6 +97,7 @@ impl SceneMaker {
             self.description.emitters.push(Emitter::Area {
                 shape,
                 radiance: grey(radiance),
+                both_sides: false,
             });
             (self.description.emitters.len() - 1) as u32
         });

@@ -127,9 +127,8 @@ unsafe fn meet(
             ray.float(TFAR),
         )
     };
-    let (t, u, v) = shape.intersect(org, dir, tmin, tmax)?;
     let Some(opacity) = &data.opacity else {
-        return Some((t, u, v));
+        return shape.intersect(org, dir, tmin, tmax);
     };
     // SAFETY: the caller's promise.
     let (instance, original) = unsafe {
@@ -138,8 +137,11 @@ unsafe fn meet(
             QueryContext::ray(context, ray.word(ID)),
         )
     };
-    let hit = data.numbers.hit(t, (u, v), 0, data.number, instance);
-    mask::keeps(&**opacity, original, &hit).then_some((t, u, v))
+    let kept = shape.crossings(org, dir, tmin, tmax).find(|c| {
+        let hit = data.numbers.hit(c.t, (c.u, c.v), 0, data.number, instance);
+        mask::keeps(&**opacity, original, &hit, c.wall)
+    })?;
+    Some((kept.t, kept.u, kept.v))
 }
 
 /// Closest hits of a packet with an exact shape.
@@ -227,7 +229,7 @@ pub unsafe extern "C" fn filter(args: *const RTCFilterFunctionNArguments) {
                 ),
             )
         };
-        if !mask::keeps(&**opacity, original, &hit) {
+        if !mask::keeps(&**opacity, original, &hit, 0) {
             *valid = 0;
         }
     }

@@ -89,7 +89,9 @@ impl Obvhs {
             instance,
         };
         match &self.opacity {
-            Some(opacity) if part.masked => mask::keeps(&**opacity, ray, &hit).then_some(hit),
+            Some(opacity) if part.masked => {
+                mask::keeps(&**opacity, ray, &hit, m.wall).then_some(hit)
+            }
             _ => Some(hit),
         }
     }

@@ -67,6 +67,8 @@ pub struct Meeting {
     pub part: u32,
     /// Triangle, or 0.
     pub prim: u32,
+    /// Which wall of an exact shape; 0 for triangles.
+    pub wall: u32,
 }
 
 /// A ray in the space of one tree.
@@ -151,7 +153,7 @@ impl Tree {
             if let Some(&corners) = known {
                 // Most triangles are missed, and those need no look at the item.
                 return match sheared.meet(corners) {
-                    Some(hit) => self.report(self.items[leaf], hit, ray, &mut limit, &mut found),
+                    Some(hit) => self.report(self.items[leaf], hit, 0, ray, &mut limit, &mut found),
                     None => Next::Within(limit),
                 };
             }
@@ -182,17 +184,40 @@ impl Tree {
     ) -> Next {
         let hit = match item {
             Item::Triangle { .. } => sheared.meet(corners_of(&self.parts, item)),
-            Item::Exact { part } => match &self.parts[part as usize].shape {
-                Shape::Exact(shape) => shape.intersect(ray.org, ray.dir, ray.tmin, *limit),
-                Shape::Triangles(_) => None,
-            },
+            Item::Exact { part } => return self.meet_exact(part, ray, limit, found),
             Item::Instance(index) => return note(found(Found::Instance(index), *limit), limit),
             Item::Bundle { .. } => None,
         };
         match hit {
-            Some(hit) => self.report(item, hit, ray, limit, found),
+            Some(hit) => self.report(item, hit, 0, ray, limit, found),
             None => Next::Within(*limit),
         }
+    }
+
+    /// Meets an exact shape: the nearest wall, and the other one in case that a mask lets the ray
+    /// through the first.
+    #[inline]
+    fn meet_exact(
+        &self,
+        part: u32,
+        ray: &LocalRay,
+        limit: &mut f32,
+        found: &mut impl FnMut(Found, f32) -> Next,
+    ) -> Next {
+        let Part { shape, masked, .. } = &self.parts[part as usize];
+        let Shape::Exact(shape) = shape else {
+            return Next::Within(*limit);
+        };
+        let walls = if *masked { 2 } else { 1 };
+        let crossings = shape.crossings(ray.org, ray.dir, ray.tmin, *limit);
+        for c in crossings.take(walls) {
+            let hit = (c.t, c.u, c.v);
+            let next = self.report(Item::Exact { part }, hit, c.wall, ray, limit, found);
+            if let Next::Stop = next {
+                return Next::Stop;
+            }
+        }
+        Next::Within(*limit)
     }
 
     /// Tells the visitor of a surface, if it lies in the ray's range.
@@ -201,6 +226,7 @@ impl Tree {
         &self,
         item: Item,
         (t, u, v): (f32, f32, f32),
+        wall: u32,
         ray: &LocalRay,
         limit: &mut f32,
         found: &mut impl FnMut(Found, f32) -> Next,
@@ -219,6 +245,7 @@ impl Tree {
             v,
             part,
             prim,
+            wall,
         });
         note(found(surface, *limit), limit)
     }

@@ -122,6 +122,36 @@ fn layers_decide_for_themselves() {
     share_stops(&world, &rain(100_000), &opacity, 0.75);
 }
 
+/// Both walls of a round shape decide: half of the light is left by each of them, and a ray from within
+/// meets one.
+#[test]
+fn both_walls_of_round_shapes_decide() {
+    let wide = Affine3A::from_translation(Vec3::new(0.0, 0.0, -1.5))
+        * Affine3A::from_scale(Vec3::splat(1.9));
+    // Along x.
+    let lying = Affine3A::from_translation(Vec3::new(-3.0, 0.0, -0.7))
+        * Affine3A::from_rotation_y(std::f32::consts::FRAC_PI_2)
+        * Affine3A::from_scale(Vec3::new(1.2, 1.2, 6.0));
+    let around = Affine3A::from_scale(Vec3::new(4.0, 3.0, 3.0));
+    let opacity: Arc<dyn Opacity> = Arc::new(Constant(0.5));
+    let rays = rain(100_000);
+    for (kind, map, stopped) in [
+        (ExactKind::Sphere, wide, 0.75),
+        (ExactKind::Cylinder, lying, 0.75),
+        (ExactKind::Sphere, around, 0.5),
+    ] {
+        let geometry = masked(Shape::Exact(ExactShape::new(kind, map)));
+        let mut world = World::default();
+        world.geometries.push(geometry.clone());
+        share_stops(&world, &rays, &opacity, stopped);
+        let mut world = World::default();
+        world.groups.push(vec![geometry]);
+        let to_world = Affine3A::from_rotation_z(0.1);
+        world.instances.push(Instance { group: 0, to_world });
+        share_stops(&world, &rays, &opacity, stopped);
+    }
+}
+
 #[test]
 fn opacity_is_asked_about_the_complete_hit() {
     let mut world = World::default();

@@ -3,7 +3,7 @@
 use super::{
     DELTA_REFLECTION, GLOSSY_REFLECTION, Lobe, cosine_pdf, mean, sample_cosine, share, weighted,
 };
-use crate::bsdf::fresnel::{dielectric, internal_diffuse_reflectance};
+use crate::bsdf::fresnel::{dielectric, internal_diffuse_transmittance};
 use crate::bsdf::{BsdfSample, LobeFlags, Transport};
 use crate::math::{Rgb, Vec2, Vec3};
 
@@ -19,26 +19,28 @@ pub(in crate::bsdf) struct Plastic {
     specular_weight: f32,
 }
 
-/// The base's colour with interreflection under a coat that returns the fraction `internal` of diffuse
-/// light: `d / (1 - d internal)` if the shift of colour is wanted (`nonlinear`), else the base's own
-/// colour scaled as if it were white.
+/// The base's colour with interreflection under a coat that lets the fraction `leaving` of diffuse
+/// light out: `d / (1 - d (1 - leaving))` if the shift of colour is wanted (`nonlinear`), else the
+/// base's own colour scaled as if it were white. What returns more light than it gets has no limit, and
+/// counts as white between the bounces.
 #[inline]
-pub(in crate::bsdf) fn interreflected(diffuse: Rgb, internal: f32, nonlinear: bool) -> Rgb {
+pub(in crate::bsdf) fn interreflected(diffuse: Rgb, leaving: f32, nonlinear: bool) -> Rgb {
     if nonlinear {
-        diffuse / (Rgb::ONE - diffuse * internal)
+        let d = diffuse.clamp(Rgb::ZERO, Rgb::ONE);
+        diffuse / ((Rgb::ONE - d) + d * leaving)
     } else {
-        diffuse / (1.0 - internal)
+        diffuse / leaving
     }
 }
 
 impl Plastic {
     pub fn new(eta: f32, diffuse: Rgb, specular: Rgb, nonlinear: bool) -> Self {
-        let internal = internal_diffuse_reflectance(eta);
+        let leaving = internal_diffuse_transmittance(eta);
         Self {
             eta,
             specular,
             diffuse,
-            base: interreflected(diffuse, internal, nonlinear) / (eta * eta),
+            base: interreflected(diffuse, leaving, nonlinear) / (eta * eta),
             specular_weight: share(mean(specular), mean(diffuse)),
         }
     }

@@ -44,7 +44,7 @@ impl RoughPlastic {
         nonlinear: bool,
         table: &'static RoughTransmittance,
     ) -> Self {
-        let base = interreflected(diffuse, table.internal_reflectance, nonlinear);
+        let base = interreflected(diffuse, 1.0 - table.internal_reflectance, nonlinear);
         Self {
             eta,
             facets,

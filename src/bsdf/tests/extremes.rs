@@ -132,6 +132,38 @@ fn extreme_parameters_are_finite() {
     }
 }
 
+/// Extreme indices under extreme colours: nothing is infinite, and the base never returns more than it
+/// would without its coat.
+#[test]
+fn extreme_plastics_are_finite() {
+    for eta in [1e-4, 1e-3, 0.5, 1.0, 2.0, 1e3, 1e4, 1e30] {
+        for color in [0.5, 1.0, 1.5, 1e6, 1e30, f32::MAX] {
+            for nonlinear in [false, true] {
+                let what = format!("plastic {eta} {color} {nonlinear}");
+                probe(&what, |wo| {
+                    let smooth = Material::Plastic {
+                        eta,
+                        diffuse_reflectance: grey(color),
+                        specular_reflectance: grey(color),
+                        nonlinear,
+                    };
+                    of_material(smooth, wo)
+                });
+                probe(&what, |wo| {
+                    let rough = Material::RoughPlastic {
+                        eta,
+                        roughness: ggx(0.2),
+                        diffuse_reflectance: grey(color),
+                        specular_reflectance: grey(color),
+                        nonlinear,
+                    };
+                    of_material(rough, wo)
+                });
+            }
+        }
+    }
+}
+
 #[test]
 fn black_absorbs_everything() {
     let black = || grey(0.0);

@@ -123,13 +123,13 @@ fn shining(scene: &Scene, beacon: &Beacon, arrived: &Arrived) -> Option<Rgb> {
     let mut hits = [Hit::NONE];
     scene.rays.intersect_batch(&[ray], &mut hits);
     let hit = &hits[0];
-    let emitter = hit
+    let surface = hit
         .is_some()
-        .then(|| scene.surfaces.list[hit.shape as usize].emitter)?;
-    if !beacon.is(Shining::Shape(emitter)) {
+        .then(|| &scene.surfaces.list[hit.shape as usize])?;
+    if !beacon.is(Shining::Shape(surface.emitter)) {
         return None;
     }
     cone.grow(hit.t);
     let point = scene.surfaces.point(&ray, hit, cone.width);
-    Some(scene.lights.emitted(emitter, &point, -ray.dir))
+    Some(scene.emitted(surface, &point, -ray.dir))
 }

@@ -45,6 +45,7 @@ pub fn setup(shapes: Vec<(EmitterShape, Texture)>, others: Vec<Emitter>) -> Setu
         .map(|(i, radiance)| Emitter::Area {
             shape: i as u32,
             radiance,
+            both_sides: false,
         })
         .collect();
     of_emitter.extend(others.iter().map(|_| None));

@@ -7,7 +7,8 @@
 //!
 //! All models take the square of a perceptual roughness as the width of GGX facets, and 0.04 as the
 //! reflectance of a dielectric of index 1.5. Nothing is culled: opaque surfaces are the same from both
-//! sides, as light that bounces needs it. A transmitting surface without `KHR_materials_volume` is thin.
+//! sides, as light that bounces needs it. What glows does so on the front alone unless it is `doubleSided`.
+//! A transmitting surface without `KHR_materials_volume` is thin.
 
 use super::extension::Extension;
 use super::primitive::{ALPHA, COLOR};
@@ -40,6 +41,8 @@ pub(super) struct Finish {
     pub material: MaterialId,
     /// Radiance of what glows.
     pub emission: Option<Texture>,
+    /// Whether it glows on both sides.
+    pub both_sides: bool,
 }
 
 /// The parameters that both workflows come down to.
@@ -126,9 +129,12 @@ impl Importer<'_> {
             Some(id) => id,
             None => self.surface(material, variant, core, &of)?,
         };
+        // What is half there sends half of the light: coverage counts for all that a surface does.
+        let opacity = self.parts.materials.opacity_texture(id);
         let finish = Finish {
             material: id,
-            emission,
+            emission: emission.map(|e| e.times(opacity)),
+            both_sides: material.double_sided,
         };
         self.finishes.insert(variant, finish.clone());
         Ok(finish)

@@ -4,7 +4,7 @@ use super::accessor::Accessors;
 use super::materials::{self, Variant};
 use super::nodes::{Placement, Standing};
 use super::primitive::{self, ALPHA, COLOR, Job};
-use super::schema::{Mesh as MeshSchema, Node, Primitive};
+use super::schema::{Material, Mesh as MeshSchema, Node, Primitive};
 use super::{Importer, error};
 use crate::light::Emitter;
 use crate::math::{DAffine3, Vec2};
@@ -20,6 +20,8 @@ struct Planned<'a> {
     job: Job<'a>,
     name: String,
     group: Option<u32>,
+    /// Stands where its group's instances are mirrored.
+    mirrored: bool,
 }
 
 /// Which meshes stand where.
@@ -27,8 +29,8 @@ struct Places<'a> {
     standing: &'a Standing,
     /// Matrices of each node's skin.
     joints: Vec<Option<Vec<DAffine3>>>,
-    /// The group of each mesh that has one.
-    groups: Vec<Option<u32>>,
+    /// The group of each mesh that has one. Mirrored placements of a mesh with a normal map have another.
+    groups: Vec<[Option<u32>; 2]>,
 }
 
 impl<'a> Importer<'a> {
@@ -60,24 +62,28 @@ impl<'a> Importer<'a> {
     ) -> Result<Places<'s>, ImportError> {
         let document = self.document();
         let mut joints = vec![None; document.nodes.len()];
-        let mut uses = vec![0u32; document.meshes.len()];
+        let mut uses = vec![[0u32; 2]; document.meshes.len()];
         for placement in &standing.meshes {
             let node = &document.nodes[placement.node];
-            let Some(count) = uses.get_mut(placement.mesh) else {
+            let Some(counts) = uses.get_mut(placement.mesh) else {
                 let message = format!("there is no mesh {}", placement.mesh);
                 return Err(error(self.path(), message));
             };
+            let count = &mut counts[self.hand(placement)];
             joints[placement.node] = self.joints(node, standing, accessors)?;
             // A mesh that moves with its node's joints or targets is like no other.
             if joints[placement.node].is_none() && node.weights.is_none() {
                 *count += 1;
             }
         }
-        let mut groups = vec![None; uses.len()];
-        for (mesh, count) in uses.into_iter().enumerate() {
-            if count > 1 && !self.mesh_glows(&document.meshes[mesh]) {
-                groups[mesh] = Some(self.parts.groups);
-                self.parts.groups += 1;
+        let mut groups = vec![[None; 2]; uses.len()];
+        for (mesh, counts) in uses.into_iter().enumerate() {
+            let copied = self.any_material(&document.meshes[mesh], materials::glows);
+            for (group, count) in groups[mesh].iter_mut().zip(counts) {
+                if count > 1 && !copied {
+                    *group = Some(self.parts.groups);
+                    self.parts.groups += 1;
+                }
             }
         }
         Ok(Places {
@@ -87,10 +93,17 @@ impl<'a> Importer<'a> {
         })
     }
 
-    fn mesh_glows(&self, mesh: &MeshSchema) -> bool {
+    fn any_material(&self, mesh: &MeshSchema, test: impl Fn(&Material) -> bool) -> bool {
         let materials = &self.document().materials;
         let of = |p: &Primitive| p.material.and_then(|m| materials.get(m));
-        mesh.primitives.iter().filter_map(of).any(materials::glows)
+        mesh.primitives.iter().filter_map(of).any(test)
+    }
+
+    /// 1 for a mirrored mesh with a normal map: seen from outside its texture lies back to front.
+    fn hand(&self, placement: &Placement) -> usize {
+        let mirrored = placement.to_world.matrix3.determinant() < 0.0;
+        let mesh = &self.document().meshes[placement.mesh];
+        usize::from(mirrored && self.any_material(mesh, |m| m.normal_texture.is_some()))
     }
 
     /// The matrices of a node's skin, mesh space to world space.
@@ -141,16 +154,17 @@ impl<'a> Importer<'a> {
         'a: 'p,
     {
         let mut planned = Vec::new();
-        let mut has_shapes = vec![false; places.groups.len()];
+        let mut has_shapes = vec![[false; 2]; places.groups.len()];
         for placement in &places.standing.meshes {
             let plain = self.document().nodes[placement.node].weights.is_none()
                 && places.joints[placement.node].is_none();
-            let group = places.groups[placement.mesh].filter(|_| plain);
+            let hand = self.hand(placement);
+            let group = places.groups[placement.mesh][hand].filter(|_| plain);
             if let Some(group) = group {
                 if !self.instance(group, placement) {
                     continue;
                 }
-                if std::mem::replace(&mut has_shapes[placement.mesh], true) {
+                if std::mem::replace(&mut has_shapes[placement.mesh][hand], true) {
                     continue;
                 }
             }
@@ -211,9 +225,11 @@ impl<'a> Importer<'a> {
                     textured: self.only_material.is_none()
                         && material.is_some_and(|m| !materials::all_textures(m).is_empty()),
                     alpha: matches!(alpha, Some("BLEND" | "MASK")),
+                    tangents: material.is_some_and(|m| m.normal_texture.is_some()),
                 },
                 name: name.clone(),
                 group,
+                mirrored: group.is_some() && self.hand(placement) == 1,
             });
         }
         Ok(())
@@ -239,11 +255,15 @@ impl<'a> Importer<'a> {
                 index,
                 colored: has(COLOR),
                 alpha: has(ALPHA),
-                mirrored,
+                mirrored: mirrored != plan.mirrored,
             })?;
             let shape = self.parts.shapes.len() as u32;
             let emitter = finish.emission.map(|radiance| {
-                self.parts.emitters.push(Emitter::Area { shape, radiance });
+                self.parts.emitters.push(Emitter::Area {
+                    shape,
+                    radiance,
+                    both_sides: finish.both_sides,
+                });
                 (self.parts.emitters.len() - 1) as u32
             });
             self.parts.shapes.push(Shape {
@@ -262,17 +282,21 @@ impl<'a> Importer<'a> {
 /// Splits a mesh into what carries its texture the right way around and what carries it mirrored.
 ///
 /// A normal map is made for tangents along u and *up* the image; seen from the front that is a
-/// right-handed frame only where the texture is not mirrored. v points down, so the area of a triangle
-/// in texture space is negative there.
+/// right-handed frame only where the texture is not mirrored. Tangents of the file say so; without
+/// them, v points down, so that the area of a triangle in texture space is negative there.
 fn by_side(mesh: Mesh) -> Vec<(bool, Mesh)> {
-    let Some(uvs) = mesh.uvs.clone() else {
-        return vec![(false, mesh)];
-    };
     let triangles = mesh.triangles.clone();
-    let mirrored = |i: usize| {
-        let [a, b, c]: [Vec2; 3] = triangles.triangles()[i].map(|v| uvs[v as usize]);
-        u32::from((b - a).perp_dot(c - a) > 0.0)
+    let corners = |i: usize| triangles.triangles()[i].map(|v| v as usize);
+    let parts = match (mesh.tangents.clone(), mesh.uvs.clone()) {
+        (Some(tangents), _) => mesh::split(mesh, |i| {
+            let sides: f32 = corners(i).map(|v| tangents[v].w).into_iter().sum();
+            u32::from(sides < 0.0)
+        }),
+        (None, Some(uvs)) => mesh::split(mesh, |i| {
+            let [a, b, c]: [Vec2; 3] = corners(i).map(|v| uvs[v]);
+            u32::from((b - a).perp_dot(c - a) > 0.0)
+        }),
+        (None, None) => return vec![(false, mesh)],
     };
-    let parts = mesh::split(mesh, mirrored);
     parts.into_iter().map(|(key, m)| (key == 1, m)).collect()
 }

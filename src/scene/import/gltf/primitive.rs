@@ -4,7 +4,7 @@ use super::accessor::Accessors;
 use super::error;
 use super::schema::Primitive;
 use super::skin;
-use crate::math::{DAffine3, Rgb, Vec2, Vec3};
+use crate::math::{DAffine3, Rgb, Vec2, Vec3, Vec4};
 use crate::scene::import::ImportError;
 use crate::scene::import::mesh::{self, Buffers, Loaded, MeshOptions};
 use crate::texture::MeshAttribute;
@@ -30,6 +30,8 @@ pub(super) struct Job<'a> {
     pub textured: bool,
     /// Whether opacity is read.
     pub alpha: bool,
+    /// Whether tangents are read.
+    pub tangents: bool,
 }
 
 /// Loads a primitive; `None` for points and lines.
@@ -46,16 +48,13 @@ pub(super) fn load(accessors: Accessors, job: &Job) -> Result<Option<Loaded>, Im
         Some(indices) => accessors.indices(indices)?,
         None => (0..u32::try_from(count).unwrap_or(u32::MAX)).collect(),
     };
-    let Some(mut triangles) = assemble(&indices, primitive.mode.unwrap_or(4)) else {
+    let Some(triangles) = assemble(&indices, primitive.mode.unwrap_or(4)) else {
         return Ok(None);
     };
-    // Mirrored placements turn the winding around, which the specification undoes (3.7.4).
-    if job.joints.is_none() && job.to_world.matrix3.determinant() < 0.0 {
-        triangles.iter_mut().for_each(|t| t.swap(1, 2));
-    }
     let mut buffers = Buffers {
         positions,
         normals: vectors(accessors, primitive, job.weights, "NORMAL")?,
+        tangents: tangents(accessors, job)?,
         uvs: uvs(accessors, primitive, job.uv_set)?,
         triangles,
         attributes: colors(accessors, job)?,
@@ -88,6 +87,7 @@ fn missing_uvs(job: &Job, buffers: &Buffers) -> Vec<String> {
 fn check_lengths(buffers: &Buffers) -> Result<(), String> {
     let count = buffers.positions.len();
     let same = buffers.normals.as_ref().is_none_or(|v| v.len() == count)
+        && buffers.tangents.as_ref().is_none_or(|v| v.len() == count)
         && buffers.uvs.as_ref().is_none_or(|v| v.len() == count)
         && buffers.attributes.iter().all(|a| a.values.len() == count);
     if same {
@@ -135,15 +135,44 @@ fn vectors(
         .into_iter()
         .map(Vec3::from)
         .collect();
+    morph(accessors, primitive, weights, name, |i, change| {
+        values.get_mut(i).into_iter().for_each(|v| *v += change);
+    })?;
+    Ok(Some(values))
+}
+
+/// Tangents and the side of the texture, with the weighted morph targets added.
+fn tangents(accessors: Accessors, job: &Job) -> Result<Option<Vec<Vec4>>, ImportError> {
+    let name = "TANGENT";
+    let Some(&index) = job.primitive.attributes.get(name).filter(|_| job.tangents) else {
+        return Ok(None);
+    };
+    let values = accessors.floats(index)?;
+    let mut values: Vec<Vec4> = values.into_iter().map(Vec4::from_array).collect();
+    morph(accessors, job.primitive, job.weights, name, |i, change| {
+        let value = values.get_mut(i).into_iter();
+        value.for_each(|v| *v += change.extend(0.0));
+    })?;
+    Ok(Some(values))
+}
+
+/// Calls `add` with what each morph target adds to each vertex.
+fn morph(
+    accessors: Accessors,
+    primitive: &Primitive,
+    weights: &[f64],
+    name: &str,
+    mut add: impl FnMut(usize, Vec3),
+) -> Result<(), ImportError> {
     for (target, &weight) in primitive.targets.iter().zip(weights) {
         let Some(&index) = target.get(name).filter(|_| weight != 0.0) else {
             continue;
         };
-        for (value, change) in values.iter_mut().zip(accessors.floats::<3>(index)?) {
-            *value += Vec3::from(change) * weight as f32;
+        for (i, change) in accessors.floats::<3>(index)?.into_iter().enumerate() {
+            add(i, Vec3::from(change) * weight as f32);
         }
     }
-    Ok(Some(values))
+    Ok(())
 }
 
 fn uvs(

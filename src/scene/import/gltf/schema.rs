@@ -146,6 +146,7 @@ pub(super) struct Material {
     pub emissive_factor: Option<[f32; 3]>,
     pub alpha_mode: Option<String>,
     pub alpha_cutoff: Option<f32>,
+    pub double_sided: bool,
     pub extensions: Extensions,
 }
 

@@ -51,6 +51,11 @@ pub(super) fn bend(
             let turned: DVec3 = blended.matrix3.inverse().transpose() * n.as_dvec3();
             *n = turned.normalize_or_zero().as_vec3();
         }
+        let tangent = buffers.tangents.as_mut().and_then(|t| t.get_mut(i));
+        if let Some(t) = tangent {
+            let turned = (blended.matrix3 * t.truncate().as_dvec3()).as_vec3();
+            *t = turned.extend(t.w);
+        }
     }
     Ok(odd.told(joints.len()))
 }

@@ -19,6 +19,7 @@ mod broken;
 mod files;
 mod looks;
 mod placing;
+mod sides;
 
 /// Remembers what was asked for and opens nothing: every image is a grey of 0.5.
 #[derive(Default)]

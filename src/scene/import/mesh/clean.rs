@@ -42,6 +42,10 @@ pub(super) fn finish(mut raw: Raw, options: &MeshOptions) -> Result<Loaded, Unus
     drop_degenerate(&mut raw, &mut warnings);
     drop_repeated(&mut raw, &mut warnings);
     repair_values(&mut raw, &mut warnings);
+    if options.to_world.matrix3.determinant() < 0.0 {
+        // A mirror turns the order of corners around, but nothing inside out.
+        reverse(&mut raw.triangles);
+    }
     if raw.triangles.is_empty() {
         let message = "the mesh has no triangle with an area";
         if !options.lenient && !had_triangles {
@@ -53,6 +57,12 @@ pub(super) fn finish(mut raw: Raw, options: &MeshOptions) -> Result<Loaded, Unus
         warnings.push(message.into());
     }
     shade(&mut raw, options, &mut warnings);
+    raw.tangents = match raw.normals {
+        Some(_) => raw
+            .tangents
+            .map(|list| normals::tangents(list, &options.to_world)),
+        None => None,
+    };
     if options.flip_normals {
         turn_around(&mut raw);
     }
@@ -189,6 +199,7 @@ fn shade(raw: &mut Raw, options: &MeshOptions, warnings: &mut Vec<String>) {
         return;
     };
     let world = normals::transform(from_file, &options.to_world);
+    orient(&mut raw.triangles, &raw.positions, &world);
     let (repaired, counts) = normals::repair(world, &raw.positions, &raw.triangles);
     if let Some((count, first)) = counts {
         warnings.push(format!(
@@ -198,12 +209,34 @@ fn shade(raw: &mut Raw, options: &MeshOptions, warnings: &mut Vec<String>) {
     raw.normals = Some(repaired);
 }
 
+/// Turns the corners of triangles whose given normals point to the other side: the order of corners
+/// says everywhere else which side is the front.
+fn orient(triangles: &mut [[u32; 3]], positions: &[Vec3], normals: &[Vec3]) {
+    triangles
+        .par_iter_mut()
+        .with_min_len(GRAIN)
+        .for_each(|triangle| {
+            let sum: Vec3 = triangle.map(|i| normals[i as usize]).into_iter().sum();
+            if normals::cross(positions, triangle).dot(sum.as_dvec3()) < 0.0 {
+                triangle.swap(1, 2);
+            }
+        });
+}
+
+fn reverse(triangles: &mut [[u32; 3]]) {
+    triangles
+        .par_iter_mut()
+        .with_min_len(GRAIN)
+        .for_each(|triangle| triangle.swap(1, 2));
+}
+
 fn turn_around(raw: &mut Raw) {
-    for triangle in &mut raw.triangles {
-        triangle.swap(1, 2);
-    }
+    reverse(&mut raw.triangles);
     for normal in raw.normals.iter_mut().flatten() {
         *normal = -*normal;
+    }
+    for tangent in raw.tangents.iter_mut().flatten() {
+        tangent.w = -tangent.w;
     }
 }
 
@@ -215,6 +248,7 @@ fn pack(raw: Raw, warnings: Vec<String>) -> Result<Loaded, Unusable> {
     let mesh = Mesh {
         triangles: Arc::new(triangles),
         normals: raw.normals,
+        tangents: raw.tangents,
         uvs: raw.uvs.map(Arc::new),
         attributes: MeshAttributes {
             list: raw.attributes,

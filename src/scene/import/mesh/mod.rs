@@ -9,9 +9,10 @@
 //! `clean` makes of it what the renderer may rely on: finite positions, no triangle without area, unit
 //! normals. What it repairs it counts in [`Loaded::warnings`].
 //!
-//! Orientation is Mitsuba 3's: the geometric normal follows the winding of the *transformed*
-//! vertices, so a mirroring `to_world` turns it around; normals from the file go through the inverse
-//! transpose and stay on their side.
+//! Which side is the front is decided here, once for all who ask (materials, lamps, photons, AOVs): the
+//! geometric normal follows the order of a triangle's corners in the finished mesh. That order is the
+//! file's, unless the file's own normals point to the other side: those win. A mirroring `to_world`
+//! changes nothing of it, as it changes nothing of exact shapes and of instances.
 
 mod clean;
 mod crease;
@@ -30,7 +31,7 @@ mod text;
 use super::{ImportError, encoding};
 use crate::image::decoded::DecodeLimit;
 use crate::image::{foreign, mapped};
-use crate::math::{DAffine3, DVec3, Vec2, Vec3};
+use crate::math::{DAffine3, DVec3, Vec2, Vec3, Vec4};
 use crate::scene::description::Mesh;
 use crate::texture::MeshAttribute;
 use std::path::Path;
@@ -163,6 +164,7 @@ pub fn buffers(path: &Path, kind: MeshKind, options: &MeshOptions) -> Result<Buf
     Ok(Buffers {
         positions: raw.positions,
         normals: raw.normals,
+        tangents: raw.tangents,
         uvs: raw.uvs,
         triangles: raw.triangles,
         attributes: raw.attributes,
@@ -215,6 +217,8 @@ pub struct Buffers {
     pub positions: Vec<Vec3>,
     /// Normals of any length, one for each position.
     pub normals: Option<Vec<Vec3>>,
+    /// Tangents of any length and the side of the texture, one for each position; without normals they count for nothing.
+    pub tangents: Option<Vec<Vec4>>,
     /// Texture coordinates, one for each position.
     pub uvs: Option<Vec<Vec2>>,
     /// Corners of each triangle.
@@ -250,6 +254,7 @@ pub fn from_buffers(
     let raw = Raw {
         positions,
         normals: buffers.normals,
+        tangents: buffers.tangents,
         uvs: buffers.uvs,
         triangles: buffers.triangles,
         attributes: buffers.attributes,
@@ -265,6 +270,8 @@ struct Raw {
     positions: Vec<Vec3>,
     /// Object space, of any length; zero where the file gives none. One for each position.
     normals: Option<Vec<Vec3>>,
+    /// Object space, of any length. One for each position.
+    tangents: Option<Vec<Vec4>>,
     /// One for each position.
     uvs: Option<Vec<Vec2>>,
     triangles: Vec<[u32; 3]>,

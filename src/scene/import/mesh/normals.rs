@@ -3,7 +3,7 @@
 //! Smooth normals weight each triangle's normal by its angle at the vertex (Thuermer and Wuethrich
 //! 1998): unlike weights by area they do not depend on how a face was cut into triangles.
 
-use crate::math::{DAffine3, DVec3, Vec3};
+use crate::math::{DAffine3, DVec3, Vec3, Vec4};
 use rayon::prelude::*;
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -130,6 +130,17 @@ pub(super) fn transform(normals: Vec<Vec3>, to_world: &DAffine3) -> Vec<Vec3> {
         .with_min_len(GRAIN)
         .map(to_unit)
         .collect()
+}
+
+/// Unit tangents in world space; zero where the file gives none. A mirror turns the texture's side around.
+pub(super) fn tangents(mut list: Vec<Vec4>, to_world: &DAffine3) -> Vec<Vec4> {
+    let mirror = to_world.matrix3.determinant().signum() as f32;
+    list.par_iter_mut().with_min_len(GRAIN).for_each(|t| {
+        let along = to_world.matrix3 * t.truncate().as_dvec3();
+        let side = if t.w < 0.0 { -mirror } else { mirror };
+        *t = unit(along).unwrap_or(Vec3::ZERO).extend(side);
+    });
+    list
 }
 
 /// Replaces zero normals by the surface's own. Also how many vertices of triangles were repaired and

@@ -49,6 +49,7 @@ fn part(mesh: &Mesh, list: &[usize]) -> Mesh {
         // Every number was given out for a position that was picked.
         triangles: Arc::new(triangles.unwrap_or_default()),
         normals: mesh.normals.as_ref().map(|n| pick(n, &used)),
+        tangents: mesh.tangents.as_ref().map(|t| pick(t, &used)),
         uvs: mesh.uvs.as_ref().map(|uvs| Arc::new(pick(uvs, &used))),
         attributes: MeshAttributes {
             list: mesh.attributes.list.iter().map(attribute).collect(),
@@ -79,6 +80,7 @@ mod tests {
         let mesh = Mesh {
             triangles: Arc::new(TriangleMesh::new(positions.clone(), triangles.clone()).unwrap()),
             normals: Some(positions.clone()),
+            tangents: None,
             uvs: None,
             attributes: MeshAttributes { list: vec![faces] },
         };

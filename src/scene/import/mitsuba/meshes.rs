@@ -143,6 +143,7 @@ fn place(importer: &mut Importer, shapes: Vec<(PendingShape, Option<Geometry>)>)
             importer.emitters.push(Emitter::Area {
                 shape: out.len() as u32,
                 radiance,
+                both_sides: false,
             });
             (importer.emitters.len() - 1) as u32
         });

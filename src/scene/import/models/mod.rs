@@ -254,7 +254,11 @@ impl Adder<'_> {
     fn shape(&mut self, name: &str, piece: Piece, group: Option<u32>) {
         let shape = self.parts.shapes.len() as u32;
         let emitter = piece.radiance.map(|radiance| {
-            self.parts.emitters.push(Emitter::Area { shape, radiance });
+            self.parts.emitters.push(Emitter::Area {
+                shape,
+                radiance,
+                both_sides: false,
+            });
             (self.parts.emitters.len() - 1) as u32
         });
         self.parts.shapes.push(Shape {
@@ -283,12 +287,19 @@ impl Piece {
         let turn = |n: &Vec3| (inverse * n.as_dvec3()).normalize_or_zero().as_vec3();
         let place = |p: &Vec3| to_world.transform_point3(p.as_dvec3()).as_vec3();
         let positions = mesh.triangles.positions().iter().map(place).collect();
-        let triangles = TriangleMesh::new(positions, mesh.triangles.triangles().to_vec());
+        let mut corners = mesh.triangles.triangles().to_vec();
+        if to_world.matrix3.determinant() < 0.0 {
+            // A mirror turns nothing inside out.
+            corners.iter_mut().for_each(|t| t.swap(1, 2));
+        }
+        let triangles = TriangleMesh::new(positions, corners);
         Self {
             mesh: Mesh {
                 // The indices are those of a mesh with as many vertices.
                 triangles: Arc::new(triangles.unwrap_or_default()),
                 normals: mesh.normals.as_ref().map(|n| n.iter().map(turn).collect()),
+                // Mesh files give none.
+                tangents: None,
                 uvs: mesh.uvs.clone(),
                 attributes: mesh.attributes.clone(),
             },

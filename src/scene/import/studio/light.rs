@@ -118,7 +118,11 @@ impl Studio {
             .materials
             .push(Material::Diffuse { reflectance: black });
         let shape = parts.shapes.len() as u32;
-        parts.emitters.push(Emitter::Area { shape, radiance });
+        parts.emitters.push(Emitter::Area {
+            shape,
+            radiance,
+            both_sides: false,
+        });
         parts.shapes.push(Shape {
             name: "key light".into(),
             geometry: Geometry::Exact(ExactShape::new(ExactKind::Disk, disk)),

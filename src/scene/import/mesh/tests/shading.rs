@@ -150,26 +150,52 @@ fn flipping_turns_winding_and_normals_together() {
     }
 }
 
-/// What Mitsuba 3.9 does with a mirrored triangle: the winding turns the geometric normal around, the
-/// normals of the file stay on their side, and computed ones follow the winding.
+/// Normals of the file stay on their side, computed ones and the order of corners follow what was the
+/// front before.
 #[test]
-fn a_mirror_turns_the_winding_and_not_the_normals() {
+fn a_mirror_turns_nothing_inside_out() {
     let options = MeshOptions {
         to_world: DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0)),
         ..MeshOptions::default()
     };
     let given = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0.6 0 0.8\nf 1//1 2//2 3//1\n";
     let mesh = read_text(MeshKind::Obj, given, &options).unwrap().mesh;
-    let normal_of = |mesh: &Mesh| {
-        let triangle = &mesh.triangles.triangles()[0];
-        normals::cross(mesh.triangles.positions(), triangle).as_vec3()
-    };
-    assert_eq!(normal_of(&mesh), -Vec3::Z);
+    assert_eq!(front(&mesh), Vec3::Z);
     let normals = mesh.normals.unwrap();
     assert_eq!(normals[0], Vec3::Z);
     assert!(normals[1].distance(Vec3::new(-0.6, 0.0, 0.8)) < 1e-6);
     let bare = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-    let mesh = read_text(MeshKind::Obj, bare, &options).unwrap().mesh;
-    assert_eq!(normal_of(&mesh), -Vec3::Z);
+    for face_normals in [false, true] {
+        let options = MeshOptions {
+            face_normals,
+            ..options.clone()
+        };
+        let mesh = read_text(MeshKind::Obj, bare, &options).unwrap().mesh;
+        assert_eq!(front(&mesh), Vec3::Z);
+        assert!(mesh.normals.is_none_or(|n| n == [Vec3::Z; 3]));
+    }
+}
+
+/// Twice the area of the first triangle along its geometric normal.
+fn front(mesh: &Mesh) -> Vec3 {
+    let triangle = &mesh.triangles.triangles()[0];
+    normals::cross(mesh.triangles.positions(), triangle).as_vec3()
+}
+
+/// Normals of the file decide, also where only one corner has any; asked for flat faces, the order of
+/// corners does.
+#[test]
+fn given_normals_turn_the_corners() {
+    let against = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 -1\nf 1//1 2//1 3//1\n";
+    assert_eq!(front(&obj(against).mesh), -Vec3::Z);
+    let one = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 -1\nf 1//1 2 3\n";
+    let mesh = obj(one).mesh;
+    assert_eq!(front(&mesh), -Vec3::Z);
     assert_eq!(mesh.normals.unwrap(), [-Vec3::Z; 3]);
+    let flat = MeshOptions {
+        face_normals: true,
+        ..MeshOptions::default()
+    };
+    let mesh = read_text(MeshKind::Obj, against, &flat).unwrap().mesh;
+    assert_eq!(front(&mesh), Vec3::Z);
 }

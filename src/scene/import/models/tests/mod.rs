@@ -83,7 +83,10 @@ fn an_obj_file_falls_apart_into_its_materials() {
     assert_eq!(red, Some(Rgb::new(0.8, 0.1, 0.1)));
     assert_eq!(parts.shapes[0].emitter, None);
     assert_eq!(parts.shapes[1].emitter, Some(0));
-    let Emitter::Area { shape: 1, radiance } = &parts.emitters[0] else {
+    let Emitter::Area {
+        shape: 1, radiance, ..
+    } = &parts.emitters[0]
+    else {
         panic!("{:?}", parts.emitters)
     };
     assert_eq!(radiance.constant(), Some(Rgb::new(5.0, 4.0, 3.0)));
