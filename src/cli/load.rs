@@ -5,6 +5,7 @@ use super::scene_args::{StudioArgs, UpAxis};
 use super::values::Definition;
 use super::{Failure, budget, memory, threads};
 use crate::accel::{Backend, BuildQuality, BuildSettings};
+use crate::light::Emitter;
 use crate::report::scene::{TextureTotals, triangles};
 use crate::report::words;
 use crate::scene::fingerprint::fingerprint;
@@ -35,6 +36,18 @@ impl Loaded {
             count: self.textures.file_count(),
             bytes: self.textures.memory_bytes() as u64,
         }
+    }
+
+    /// The image files that the scene reads.
+    pub fn image_files(&self) -> Vec<PathBuf> {
+        let bitmaps = self.textures.bitmaps();
+        let bitmaps = bitmaps.iter().map(|b| b.settings().path.clone());
+        let emitters = self.description.emitters.iter();
+        let around = emitters.filter_map(|emitter| match emitter {
+            Emitter::EnvironmentMap { path, .. } => Some(path.clone()),
+            _ => None,
+        });
+        bitmaps.chain(around).collect()
     }
 
     /// The number that tells this scene from others, of a description that is not built yet.
@@ -147,6 +160,14 @@ impl Input {
         }
     }
 
+    /// The files that are named.
+    pub fn paths(&self) -> Vec<&Path> {
+        match self {
+            Self::Scene(path) => vec![path],
+            Self::Models(sources) => sources.iter().map(|s| s.path.as_path()).collect(),
+        }
+    }
+
     /// The file that outputs are named after.
     pub fn first_path(&self) -> &Path {
         match self {
@@ -252,9 +273,7 @@ fn load_in(
         Input::Scene(path) => mitsuba::load(path, &options)?,
         Input::Models(sources) => load_models(sources, studio, &options, picture)?,
     };
-    for warning in &description.warnings {
-        tracing::warn!("{warning}");
-    }
+    print_warnings(&description.warnings, args);
     advise_on_textures(&textures);
     let trimmed = spare::trim(&mut description);
     if trimmed.uv_bytes + trimmed.attribute_bytes > 0 {
@@ -269,6 +288,25 @@ fn load_in(
         textures,
         trimmed,
     })
+}
+
+/// Warnings that are printed, at most: further ones are in `--stats`, and with --log-level debug.
+const MOST_WARNINGS: usize = 100;
+
+/// Prints what is odd about a scene, in one piece: a scene may have as many warnings as shapes.
+fn print_warnings(warnings: &[String], args: &SceneArgs) {
+    let all = tracing::enabled!(tracing::Level::DEBUG);
+    let shown = if all { warnings.len() } else { MOST_WARNINGS };
+    for warning in warnings.iter().take(shown) {
+        tracing::warn!("{warning}");
+    }
+    let further = warnings.len().saturating_sub(shown);
+    if further > 0 {
+        tracing::warn!(
+            "{}: {further} further warnings; --log-level debug prints all of them",
+            args.title()
+        );
+    }
 }
 
 /// Says what would help where images had to be put on disk.

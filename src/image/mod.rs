@@ -21,6 +21,7 @@ pub mod metrics;
 pub mod oiio;
 #[cfg(any(test, not(feature = "oiio")))]
 mod openexr;
+pub mod passing;
 mod promise;
 pub mod spill;
 #[cfg(test)]

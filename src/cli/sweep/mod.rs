@@ -15,7 +15,7 @@ use self::plan::SceneTraits;
 use super::interrupt::Interrupt;
 use super::load::Input;
 use super::sweep_args::{ClockBy, SweepArgs};
-use super::{Failure, console, load, output};
+use super::{Failure, console, load, output, targets};
 use crate::image::Image;
 use crate::report::sweep::analysis::Findings;
 use crate::report::sweep::pictures::Pictures;
@@ -44,9 +44,8 @@ struct Subject {
 ///
 /// # Errors
 /// When scene, reference or plan cannot be used, the report cannot be written, or after an interrupt.
-pub fn run(args: &SweepArgs, threads: Option<u16>) -> Result<(), Failure> {
+pub fn run(args: &SweepArgs, threads: Option<u16>, interrupt: &Interrupt) -> Result<(), Failure> {
     let start = Instant::now();
-    let interrupt = Interrupt::listen(false)?;
     let subject = Subject::load(args)?;
     let configurations = match &args.plan {
         Some(path) => plan::read(path)?,
@@ -78,15 +77,15 @@ pub fn run(args: &SweepArgs, threads: Option<u16>) -> Result<(), Failure> {
             help,
         )
     })?;
-    output::try_directory(&args.output.join("index.html"))?;
+    targets::try_target(&args.output.join("index.html"))?;
     interrupt.be_patient();
     let mut sweep = match state::read(&args.output, &setting)? {
         Some(sweep) => sweep,
-        None => begin(setting, args, &interrupt)?,
+        None => begin(setting, args, interrupt)?,
     };
     sweep.command = child::typed(&std::env::args().skip(1).collect::<Vec<_>>());
     sweep.machine = machine::ask();
-    let ended = go_through(&mut sweep, args, &interrupt, start + args.budget)?;
+    let ended = go_through(&mut sweep, args, interrupt, start + args.budget)?;
     write_page(&sweep, args, &subject)?;
     match ended {
         Ended::Complete => Ok(()),

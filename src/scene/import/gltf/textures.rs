@@ -6,6 +6,7 @@
 use super::schema::TextureInfo;
 use super::{Importer, error};
 use crate::image::file::ImageFile;
+use crate::image::passing::Passing;
 use crate::math::Rgb;
 use crate::scene::import::ImportError;
 use crate::texture::{BitmapSettings, Filter, Texture, UvTransform, Wrap};
@@ -21,7 +22,7 @@ use tempfile::TempDir;
 pub(super) struct Images {
     opened: HashMap<usize, Opened>,
     /// Where images inside the glTF file are unpacked.
-    folder: Option<TempDir>,
+    folder: Option<(TempDir, Passing)>,
 }
 
 #[derive(Debug)]
@@ -233,9 +234,9 @@ impl Images {
         };
         let folder = match self.folder.take() {
             Some(folder) => folder,
-            None => tempfile::Builder::new().prefix("twintree-").tempdir()?,
+            None => Passing::make(|| tempfile::Builder::new().prefix("twintree-").tempdir())?,
         };
-        let path = self.folder.insert(folder).path();
+        let path = self.folder.insert(folder).0.path();
         let path = path.join(format!("image-{index}.{suffix}"));
         std::fs::write(&path, bytes)?;
         Ok(path)

@@ -148,7 +148,9 @@ impl<'a> Params<'a> {
             return Ok(v);
         }
         let (low, high) = (range.start(), range.end());
-        let message = if *high >= f64::from(f32::MAX) {
+        let message = if v > *high && *high >= f64::from(f32::MAX) {
+            format!("\"{name}\" is {v}; it must be at most {high:e}")
+        } else if *high >= f64::from(f32::MAX) {
             format!("\"{name}\" is {v}; it must be at least {low}")
         } else {
             format!("\"{name}\" is {v}; it must be between {low} and {high}")
@@ -186,7 +188,10 @@ impl<'a> Params<'a> {
         match u32::try_from(v) {
             Ok(v) if v >= least => Ok(v),
             _ => {
-                let message = format!("\"{name}\" is {v}; it must be at least {least}");
+                let message = match v > i64::from(u32::MAX) {
+                    true => format!("\"{name}\" is {v}; it must be at most {}", u32::MAX),
+                    false => format!("\"{name}\" is {v}; it must be at least {least}"),
+                };
                 Err(self.document.error(self.place_of(name), message))
             }
         }
