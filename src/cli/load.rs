@@ -351,5 +351,12 @@ fn load_models(
     };
     budget::check_files(sources)?;
     let parts = models::load(sources, &settings, options)?;
-    Ok(studio.compose(parts)?)
+    let description = studio.compose(parts)?;
+    let exposure = description.film.exposure;
+    if picture.is_some() && exposure != 0.0 {
+        tracing::info!(
+            "under that sun .png and .jpg get an exposure of {exposure:.1} stops, unless --exposure says otherwise"
+        );
+    }
+    Ok(description)
 }

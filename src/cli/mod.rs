@@ -46,6 +46,7 @@ pub mod targets;
 pub mod threads;
 pub mod train;
 pub mod values;
+pub mod view;
 pub mod waiting;
 
 pub use args::Cli;
@@ -77,7 +78,7 @@ impl Cli {
             Command::Make(args) => make::run(args),
             Command::Compare(args) => compare::run(args),
             Command::Table1(args) => table1::run(args),
-            Command::Sweep(args) => sweep::run(args, self.threads, &interrupt),
+            Command::Sweep(args) => sweep::run(args, self.threads, (&console, &interrupt)),
             Command::Bench(what) => bench::run(what),
             Command::Generate(args) => generate::run(args),
         }

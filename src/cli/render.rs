@@ -13,7 +13,7 @@ use super::preview::Tev;
 use super::progress::Watch;
 use super::values::Preview;
 use super::waiting::Waiting;
-use super::{Failure, invalid, learning, overrides, threads};
+use super::{Failure, invalid, learning, overrides, threads, view};
 use crate::camera::Camera;
 use crate::film::Film;
 use crate::integrate::learn::Learner;
@@ -70,6 +70,7 @@ pub fn run(args: &RenderArgs, console: &Console, interrupt: &Interrupt) -> Resul
     let settings = overrides::guided_path_settings(args, &description.render);
     let limits = overrides::limits(&args.stop, &description.render);
     let camera = Camera::new(&description.camera, width, height);
+    view::warn(&scene, &camera, &description.camera, &description.film);
     let plain = View {
         scene: &scene,
         camera: &camera,
@@ -91,7 +92,7 @@ pub fn run(args: &RenderArgs, console: &Console, interrupt: &Interrupt) -> Resul
     let Some(before) = go_on(args, &outputs, checkpoint.as_ref(), &mut film)? else {
         return Ok(());
     };
-    let waiting = Waiting::start(console, args.guide.learn.photons);
+    let waiting = Waiting::for_learning(console, args.guide.learn.photons);
     let mut guiding = timed(&mut times.train, || {
         learning::guiding(&args.guide, field, &plain, &limits)
     })?;

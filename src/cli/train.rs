@@ -59,7 +59,7 @@ pub fn run(args: &TrainArgs, console: &Console) -> Result<(), Failure> {
         guide: None,
     };
     let records = records(args);
-    let waiting = Waiting::start(console, Some(records));
+    let waiting = Waiting::for_learning(console, Some(records));
     let file = match &base {
         Some(base) => further(args, base, &view)?,
         None => {

@@ -1,4 +1,5 @@
-//! What is shown while a field is learned: on a terminal a line that moves, elsewhere a line now and then.
+//! What is shown while one waits for work that says nothing itself: on a terminal a line that moves, elsewhere a
+//! line now and then.
 
 use super::console::Console;
 use super::progress::{BAR_INTERVAL, LONGEST_SILENCE, fitting, spinner};
@@ -9,7 +10,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::Instant;
 
-/// Shows that learning goes on, until it is dropped.
+/// Shows that work goes on, until it is dropped.
 pub struct Waiting {
     /// Hangs up to say that it is over.
     over: Option<Sender<()>>,
@@ -17,8 +18,16 @@ pub struct Waiting {
 }
 
 impl Waiting {
-    /// From now on. `records` are the photons and paths that there will be, if that is known.
-    pub fn start(console: &Console, records: Option<u64>) -> Self {
+    /// For a field that is learned. `records` are the photons and paths that there will be, if that is known.
+    pub fn for_learning(console: &Console, records: Option<u64>) -> Self {
+        let before = traced();
+        Self::start(console, move |seconds| {
+            sentence(traced() - before, records, seconds)
+        })
+    }
+
+    /// From now on; `text` says what goes on, given the seconds since.
+    pub fn start(console: &Console, text: impl Fn(f64) -> String + Send + 'static) -> Self {
         if !console.shows_progress() {
             return Self {
                 over: None,
@@ -29,8 +38,7 @@ impl Waiting {
             .has_terminal()
             .then(|| console.bars().add(spinner()));
         let (over, ended) = channel();
-        let before = traced();
-        let show = move || show(&ended, bar.as_ref(), records, before);
+        let show = move || show(&ended, bar.as_ref(), text);
         Self {
             over: Some(over),
             // Where no thread can be had, nothing is shown.
@@ -48,14 +56,14 @@ impl Drop for Waiting {
     }
 }
 
-fn show(ended: &Receiver<()>, bar: Option<&ProgressBar>, records: Option<u64>, before: u64) {
+fn show(ended: &Receiver<()>, bar: Option<&ProgressBar>, text: impl Fn(f64) -> String) {
     let start = Instant::now();
     let interval = match bar {
         Some(_) => BAR_INTERVAL,
         None => LONGEST_SILENCE,
     };
     while ended.recv_timeout(interval) == Err(RecvTimeoutError::Timeout) {
-        let text = sentence(traced() - before, records, start.elapsed().as_secs_f64());
+        let text = text(start.elapsed().as_secs_f64());
         match bar {
             Some(bar) => {
                 bar.set_message(fitting(text));
