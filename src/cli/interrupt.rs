@@ -6,6 +6,8 @@
 //! terminal that goes away sends SIGHUP, as the shell in it does. So what follows within [`ONE_REQUEST`]
 //! of the first counts with it, and a SIGHUP never makes anybody impatient.
 //!
+//! A SIGHUP that was ignored when the program began (`nohup`) stays so.
+//!
 //! SIGUSR1 asks for a checkpoint, or for the image so far where none is kept, and for no end. SIGXFSZ is
 //! heard and nothing more: a file that grows beyond its limit is an error of writing then, in words, and
 //! not the end of the program.
@@ -56,8 +58,12 @@ impl Interrupt {
     /// When the system refuses a signal handler.
     pub fn listen(console: &Console) -> Result<Self, Failure> {
         let refused = |e| Failure::Refused(format!("signals cannot be handled: {e}"));
-        let signals = [SIGINT, SIGTERM, SIGHUP, SIGXFSZ, SIGUSR1];
+        let signals = [SIGINT, SIGTERM, SIGXFSZ, SIGUSR1];
         let mut signals = Signals::new(signals).map_err(refused)?;
+        let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+        if !is_ignored(&status, SIGHUP) {
+            signals.add_signal(SIGHUP).map_err(refused)?;
+        }
         let interrupt = Self::default();
         let (state, console) = (interrupt.state.clone(), console.clone());
         std::thread::Builder::new()
@@ -132,6 +138,13 @@ impl State {
     }
 }
 
+/// Whether a signal is ignored, by a process's `/proc/PID/status`.
+fn is_ignored(status: &str, signal: i32) -> bool {
+    let mask = status.lines().find_map(|l| l.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|m| u64::from_str_radix(m.trim(), 16).ok());
+    mask.unwrap_or(0) >> (signal - 1) & 1 == 1
+}
+
 /// On a thread of its own: where nobody takes the message, the next signal is heard all the same.
 fn say_so() {
     let say = || {
@@ -184,6 +197,13 @@ mod tests {
             assert_eq!(orders.last(), Some(expected), "{signals:?}");
             assert!(state.requested.load(Ordering::SeqCst));
         }
+    }
+
+    #[test]
+    fn what_is_ignored_is_read() {
+        let status = "Name:\ttwintree\nSigIgn:\t0000000000001001\nSigCgt:\t0\n";
+        assert!(is_ignored(status, SIGHUP));
+        assert!(!is_ignored(status, SIGTERM) && !is_ignored("", SIGHUP));
     }
 
     #[test]
