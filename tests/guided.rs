@@ -169,7 +169,7 @@ fn learned_random_and_foreign_mixtures_give_the_unguided_mean() {
 fn learned_mixtures_lower_the_noise_and_are_the_same_for_any_number_of_threads() {
     let room = room();
     let path = twelve();
-    let relative = |film: &Film| f64::from(film.noise().expect("enough samples")).powi(2);
+    let relative = |film: &Film| f64::from(film.noise().expect("enough samples").value).powi(2);
     let image = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
@@ -195,7 +195,7 @@ fn a_learned_field_lowers_the_noise() {
     let field = learned(&room, 200_000, 100_000).guide;
     let noise = |guide| {
         let (film, _) = room.render_guided(&path, 64, guide);
-        f64::from(film.noise().expect("enough samples")).powi(2)
+        f64::from(film.noise().expect("enough samples").value).powi(2)
     };
     let (plain, guided) = (noise(None), noise(Some(&field)));
     println!("relative variance {plain:.5} unguided, {guided:.5} guided");
@@ -226,7 +226,7 @@ fn roulette_spares_what_the_field_aimed_through_glass() {
             ..twelve()
         };
         let (film, _) = room.render_guided(&path, 256, guide);
-        f64::from(film.noise().expect("enough samples")).powi(2)
+        f64::from(film.noise().expect("enough samples").value).powi(2)
     };
     let (spared, early) = (noise(1000, Some(&field)), noise(1, Some(&field)));
     let plain = noise(1000, None);

@@ -83,6 +83,7 @@ fn bends(material: &Material) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bsdf::material::Turning;
     use crate::bsdf::material::white;
     use crate::math::Rgb;
     use std::sync::Arc;
@@ -138,12 +139,14 @@ mod tests {
         let under = |m: &mut Materials| m.push(colored(white()));
         assert!(!filters(|m| Material::NormalMap {
             normals: image(),
+            turning: Turning::default(),
             inner: under(m),
         }));
         assert!(!filters(|m| {
             let bumped = Material::BumpMap {
                 displacement: image(),
                 scale: 1.0,
+                turning: Turning::default(),
                 inner: under(m),
             };
             let id = m.push(bumped);

@@ -205,6 +205,16 @@ impl Camera {
         }
     }
 
+    /// Where on the film, in pixels, a point of camera space before the camera is seen; through the middle of the lens.
+    pub fn place(&self, point: DVec3) -> [f64; 2] {
+        let depth = match self.lens {
+            Lens::Parallel => 1.0,
+            _ => point.z,
+        };
+        let along = |at: f64, axis: usize| (at / depth - self.corner[axis]) / self.step[axis];
+        [along(point.x, 0), along(point.y, 1)]
+    }
+
     /// Places a ray from `org` through `org + dir`, where `dir` spans a depth of 1, in the world.
     #[inline]
     fn finish(&self, org: DVec3, dir: DVec3) -> CameraRay {

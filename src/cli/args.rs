@@ -27,6 +27,9 @@ pub struct Cli {
     /// How much to say.
     #[command(flatten)]
     pub talk: TalkArgs,
+    /// What is to be said about options without effect.
+    #[arg(skip)]
+    pub idle: Vec<String>,
     /// Threads that load, build and render [default: all that the machine has]
     #[arg(short = 'j', long, global = true, value_name = "N",
           value_parser = clap::value_parser!(u16).range(1..), help_heading = "Machine")]
@@ -251,6 +254,7 @@ pub struct FileArgs {
         long,
         value_name = "STOPS",
         allow_negative_numbers = true,
+        value_parser = values::stops,
         help_heading = "Output"
     )]
     pub exposure: Option<f32>,
@@ -267,7 +271,12 @@ pub struct DoubtArgs {
     #[arg(long, help_heading = "Doubt")]
     pub strict: bool,
     /// Trace one sample of this pixel and print its path; nothing is written
-    #[arg(long, value_name = "X,Y", help_heading = "Doubt")]
+    #[arg(
+        long,
+        value_name = "X,Y",
+        allow_hyphen_values = true,
+        help_heading = "Doubt"
+    )]
     pub pixel: Option<PixelAt>,
     /// Which sample of the pixel, from 0
     #[arg(
@@ -304,7 +313,12 @@ pub struct PictureArgs {
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=MAX_SIDE), help_heading = "Picture")]
     pub height: Option<u32>,
     /// Render this part only, upper bounds not included
-    #[arg(long, value_name = "X0,Y0,X1,Y1", help_heading = "Picture")]
+    #[arg(
+        long,
+        value_name = "X0,Y0,X1,Y1",
+        allow_hyphen_values = true,
+        help_heading = "Picture"
+    )]
     pub crop: Option<Crop>,
     /// Reconstruction filter [default: the scene's]
     #[arg(long, value_name = "NAME", help_heading = "Picture")]

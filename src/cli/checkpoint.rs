@@ -26,14 +26,19 @@ pub struct Checkpoint {
 impl Checkpoint {
     /// Checkpoints of the render that `record` is about, saved every `interval`.
     pub fn new(output: &Path, interval: Option<Duration>, record: Record) -> Self {
-        let mut path = output.as_os_str().to_owned();
-        path.push(".checkpoint");
         Self {
-            path: path.into(),
+            path: Self::path_of(output),
             interval,
             record,
             last: Mutex::new(Instant::now()),
         }
+    }
+
+    /// Where the checkpoint of an output is.
+    pub fn path_of(output: &Path) -> PathBuf {
+        let mut path = output.as_os_str().to_owned();
+        path.push(".checkpoint");
+        path.into()
     }
 
     /// Checkpoints, if the command line wants them.
@@ -109,9 +114,7 @@ impl Checkpoint {
 
     /// Takes the checkpoint away: the render is complete.
     pub fn remove(&self) {
-        // What is left behind by a writer that was killed goes too. Neither need be there.
-        let _ = std::fs::remove_file(atomic::unfinished(&self.path));
-        let _ = std::fs::remove_file(&self.path);
+        atomic::remove(&self.path);
     }
 
     fn compare(&self, theirs: &Record) -> Result<(), Failure> {

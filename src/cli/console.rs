@@ -2,11 +2,16 @@
 //!
 //! Logging goes through `tracing`; this is what makes lines of it: `warning: ...`, `error: ...`, and
 //! plain sentences for what is merely told. Lines move a progress bar out of their way.
+//!
+//! Standard error may be closed, full, or a terminal that has gone. What cannot be written is lost then,
+//! and nothing else: no render ends because nobody listens.
 
 use super::args::{LogLevel, TalkArgs};
-use indicatif::MultiProgress;
+use indicatif::{MultiProgress, ProgressDrawTarget, TermLike};
 use std::fmt::Write as _;
-use std::io::{IsTerminal, Write};
+use std::io::{self, IsTerminal, Write};
+use std::sync::mpsc;
+use std::time::Duration;
 use tracing::field::{Field, Visit};
 use tracing::level_filters::LevelFilter;
 use tracing::{Event, Level, Subscriber};
@@ -29,8 +34,12 @@ impl Console {
         } else {
             talk.log_level
         };
+        let target = match has_terminal() {
+            true => ProgressDrawTarget::term_like_with_hz(Box::new(Terminal::new()), REDRAWS),
+            false => ProgressDrawTarget::hidden(),
+        };
         let console = Self {
-            bars: MultiProgress::new(),
+            bars: MultiProgress::with_draw_target(target),
             level,
         };
         let filter = match level {
@@ -56,7 +65,21 @@ impl Console {
 
     /// Whether standard error is a terminal that can show a bar.
     pub fn has_terminal(&self) -> bool {
-        std::io::stderr().is_terminal()
+        has_terminal()
+    }
+
+    /// Takes the bars away before the program ends. Waits for a moment only: whoever draws at them may be
+    /// waiting for the terminal.
+    pub fn leave(&self) {
+        let (sender, done) = mpsc::channel();
+        let bars = self.bars.clone();
+        let clear = move || {
+            let _ = bars.clear();
+            let _ = sender.send(());
+        };
+        if std::thread::Builder::new().spawn(clear).is_ok() {
+            let _ = done.recv_timeout(PATIENCE);
+        }
     }
 
     /// The progress bars.
@@ -65,15 +88,84 @@ impl Console {
     }
 }
 
-impl Write for Console {
-    fn write(&mut self, line: &[u8]) -> std::io::Result<usize> {
-        self.bars
-            .suspend(|| std::io::stderr().write_all(line))
-            .map(|()| line.len())
+/// Most redraws of the bars in a second.
+const REDRAWS: u8 = 10;
+/// Longest wait for a terminal that the program wants to leave clean.
+const PATIENCE: Duration = Duration::from_millis(300);
+
+/// Whether standard error is a terminal that moves its cursor as it is told.
+fn has_terminal() -> bool {
+    let kind = std::env::var("TERM").unwrap_or_default();
+    io::stderr().is_terminal() && !matches!(kind.as_str(), "" | "dumb")
+}
+
+/// Whatever came of it: it was only for somebody to read.
+fn heedless(result: io::Result<()>) -> io::Result<()> {
+    let _ = result;
+    Ok(())
+}
+
+/// Standard error as a terminal for bars, which drops what cannot be written: `indicatif` panics at errors.
+#[derive(Debug)]
+struct Terminal(::console::Term);
+
+impl Terminal {
+    fn new() -> Self {
+        Self(::console::Term::buffered_stderr())
+    }
+}
+
+impl TermLike for Terminal {
+    fn width(&self) -> u16 {
+        self.0.size().1
     }
 
-    fn flush(&mut self) -> std::io::Result<()> {
-        std::io::stderr().flush()
+    fn height(&self) -> u16 {
+        self.0.size().0
+    }
+
+    fn move_cursor_up(&self, n: usize) -> io::Result<()> {
+        heedless(self.0.move_cursor_up(n))
+    }
+
+    fn move_cursor_down(&self, n: usize) -> io::Result<()> {
+        heedless(self.0.move_cursor_down(n))
+    }
+
+    fn move_cursor_right(&self, n: usize) -> io::Result<()> {
+        heedless(self.0.move_cursor_right(n))
+    }
+
+    fn move_cursor_left(&self, n: usize) -> io::Result<()> {
+        heedless(self.0.move_cursor_left(n))
+    }
+
+    fn write_line(&self, s: &str) -> io::Result<()> {
+        heedless(self.0.write_line(s))
+    }
+
+    fn write_str(&self, s: &str) -> io::Result<()> {
+        heedless(self.0.write_str(s))
+    }
+
+    fn clear_line(&self) -> io::Result<()> {
+        heedless(self.0.clear_line())
+    }
+
+    fn flush(&self) -> io::Result<()> {
+        heedless(self.0.flush())
+    }
+}
+
+/// `tracing-subscriber` would print its own errors of writing, and panic over that.
+impl Write for Console {
+    fn write(&mut self, line: &[u8]) -> io::Result<usize> {
+        heedless(self.bars.suspend(|| io::stderr().write_all(line)))?;
+        Ok(line.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        heedless(io::stderr().flush())
     }
 }
 
@@ -133,7 +225,7 @@ impl Visit for Text {
 
 /// Prints an error. Also works where logging was never started; a closed standard error is ignored.
 pub fn print_error(text: &str) {
-    let _ = writeln!(std::io::stderr(), "error: {text}");
+    let _ = writeln!(io::stderr(), "error: {text}");
 }
 
 /// Prints `text` on standard output. A reader that has gone (`twintree info ... | head`) is no error.
@@ -141,11 +233,11 @@ pub fn print_error(text: &str) {
 /// # Errors
 /// When standard output refuses for another reason.
 pub fn print_result(text: &str) -> Result<(), super::Failure> {
-    let mut out = std::io::stdout().lock();
+    let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(super::Failure::Refused(
-            format!("standard output cannot be written: {e}"),
-        )),
+        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => Err(super::Failure::Refused(format!(
+            "standard output cannot be written: {e}"
+        ))),
         _ => Ok(()),
     }
 }

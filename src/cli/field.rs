@@ -4,6 +4,7 @@ use super::args::{LightArgs, RayArgs, SceneArgs};
 use super::field_args::FieldArgs;
 use super::learning::Opened;
 use super::load::{self, Input, Loaded};
+use super::targets::{check_distinct, named, try_target};
 use super::values::Pixel;
 use super::{Failure, console, output, overrides};
 use crate::camera::Camera;
@@ -28,8 +29,9 @@ pub fn run(args: &FieldArgs) -> Result<(), Failure> {
     for path in args.output.iter().chain(&args.tree) {
         Format::of(path)?;
         output::check_compiled(path)?;
-        output::try_directory(path)?;
+        try_target(path)?;
     }
+    check_files(args)?;
     let opened = Opened::read(&args.field)?;
     let pictures = args.pixel.is_some() || args.tree.is_some();
     if args.stats || args.json || !pictures {
@@ -44,6 +46,19 @@ pub fn run(args: &FieldArgs) -> Result<(), Failure> {
         Some(scene) => look(args, scene, &opened),
         None => Ok(()),
     }
+}
+
+/// Refuses pictures that would replace each other, the field or the scene.
+fn check_files(args: &FieldArgs) -> Result<(), Failure> {
+    let written = named(&[
+        ("-o", args.output.as_deref()),
+        ("--tree", args.tree.as_deref()),
+    ]);
+    let read = named(&[
+        ("the field", Some(&args.field)),
+        ("the scene", args.scene.as_deref()),
+    ]);
+    check_distinct(&written, &read)
 }
 
 /// Draws with the scene.

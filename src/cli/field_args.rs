@@ -219,7 +219,7 @@ pub struct FieldArgs {
     pub json: bool,
     /// Draw where light comes from at the point that a pixel sees: left as the field has it, right as
     /// unguided paths find it
-    #[arg(long, value_name = "X,Y", requires_all = ["scene", "output"], help_heading = "What to show")]
+    #[arg(long, value_name = "X,Y", allow_hyphen_values = true, requires_all = ["scene", "output"], help_heading = "What to show")]
     pub pixel: Option<Pixel>,
     /// File for that: directions, the scene's z axis up, as densities, 1 is the mean over the sphere
     #[arg(
@@ -284,6 +284,7 @@ pub struct FieldArgs {
         value_name = "STOPS",
         default_value_t = -3.0,
         allow_negative_numbers = true,
+        value_parser = values::stops,
         help_heading = "Picture"
     )]
     pub exposure: f32,

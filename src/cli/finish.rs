@@ -5,6 +5,8 @@
 //! | complete | the images; the checkpoint goes | the part; the checkpoint goes |
 //! | interrupted | the images so far | nothing: half a part would be in the way |
 //! | interrupted, with checkpoints | the checkpoint, the images so far | the checkpoint |
+//!
+//! SIGUSR1 without checkpoints writes the images so far, and rendering goes on.
 
 use super::args::RenderArgs;
 use super::checkpoint::Checkpoint;
@@ -39,9 +41,9 @@ impl Done<'_> {
     pub fn write(&self, film: &Film, summary: &Summary, stats: &mut Stats) -> Result<(), Failure> {
         let interrupted = summary.stopped_by == StoppedBy::Interrupt;
         if film.samples_done() == 0 {
-            tracing::warn!("no sample was finished: nothing is written");
-            return Err(Failure::Interrupted);
+            return Err(nothing_done(interrupted));
         }
+        warn_of_gaps(film);
         let start = Instant::now();
         let saved = match self.checkpoint.filter(|_| interrupted) {
             Some(checkpoint) => checkpoint.save(&spent(summary), film),
@@ -53,7 +55,7 @@ impl Done<'_> {
             }
             (Some(_), _) => Ok(()),
             (None, _) => {
-                let metadata = metadata(self.args, stats);
+                let metadata = metadata(self.args, stats.spp, stats.render_seconds);
                 self.outputs
                     .write_images(film, &self.args.files, self.exposure, &metadata)
             }
@@ -64,6 +66,27 @@ impl Done<'_> {
         saved.map_err(|e| Failure::Refused(e.to_string()))?;
         written?;
         self.close(interrupted)
+    }
+
+    /// Writes the images as they are, for whom asks while it renders.
+    pub fn write_so_far(&self, spent: &Spent, film: &Film) {
+        if self.args.parts.shard.is_some() || film.samples_done() == 0 {
+            let missing = match self.args.parts.shard {
+                Some(_) => "a shard is saved with --checkpoint only",
+                None => "no sample is finished",
+            };
+            tracing::info!("SIGUSR1: there is nothing to write yet: {missing}");
+            return;
+        }
+        let metadata = metadata(self.args, film.spp_done(), spent.time.as_secs_f64());
+        let files = &self.args.files;
+        // The end of the render, which writes them again, may fare better.
+        if let Err(e) = self
+            .outputs
+            .write_images(film, files, self.exposure, &metadata)
+        {
+            tracing::warn!("{}", e.text().unwrap_or_default());
+        }
     }
 
     /// Everything is written: what does the exit code say?
@@ -86,6 +109,28 @@ impl Done<'_> {
     }
 }
 
+/// A render that has ended before its first sample.
+fn nothing_done(interrupted: bool) -> Failure {
+    if interrupted {
+        tracing::warn!("no sample was finished: nothing is written");
+        return Failure::Interrupted;
+    }
+    Failure::refused(
+        "no sample was finished before the time was up: nothing is written",
+        "give more --time; --max-depth 100 ends paths that have no end",
+    )
+}
+
+/// Says what stays black because the end came early.
+fn warn_of_gaps(film: &Film) {
+    let (all, without) = film.held().fold((0, 0), |(all, without), tile| {
+        (all + 1, without + u32::from(tile.done == 0))
+    });
+    if without > 0 {
+        tracing::warn!("{without} of {all} tiles of the image have no sample yet and are black");
+    }
+}
+
 fn spent(summary: &Summary) -> Spent {
     Spent {
         time: summary.elapsed,
@@ -102,13 +147,13 @@ fn part_of(record: &Record, summary: &Summary) -> Record {
 }
 
 /// What a file says about how it was made.
-fn metadata(args: &RenderArgs, stats: &Stats) -> Metadata {
+fn metadata(args: &RenderArgs, spp: u64, seconds: f64) -> Metadata {
     let words = std::env::args_os().skip(1);
     let words: Vec<_> = words.map(|w| w.to_string_lossy().into_owned()).collect();
     Metadata {
         scene: args.scene.title(),
         settings: words.join(" "),
-        spp: stats.spp,
-        seconds: stats.render_seconds,
+        spp,
+        seconds,
     }
 }

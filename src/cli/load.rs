@@ -7,7 +7,7 @@ use super::{Failure, budget, memory, threads};
 use crate::accel::{Backend, BuildQuality, BuildSettings};
 use crate::image::decoded::DecodeLimit;
 use crate::image::foreign;
-use crate::light::{EnvironmentImage, Lights};
+use crate::light::{Emitter, EnvironmentImage, Lights};
 use crate::report::scene::{TextureTotals, triangles};
 use crate::report::words;
 use crate::scene::fingerprint::fingerprint;
@@ -40,6 +40,18 @@ impl Loaded {
             count: self.textures.file_count(),
             bytes: self.textures.memory_bytes() as u64,
         }
+    }
+
+    /// The image files that the scene reads.
+    pub fn image_files(&self) -> Vec<PathBuf> {
+        let bitmaps = self.textures.bitmaps();
+        let bitmaps = bitmaps.iter().map(|b| b.settings().path.clone());
+        let emitters = self.description.emitters.iter();
+        let around = emitters.filter_map(|emitter| match emitter {
+            Emitter::EnvironmentMap { image, .. } => Some(image.path().to_owned()),
+            _ => None,
+        });
+        bitmaps.chain(around).collect()
     }
 
     /// The number that tells this scene from others, of a description that is not built yet.
@@ -150,6 +162,14 @@ impl Input {
                 check_no_defines(args)?;
                 Ok(Self::Models(sources))
             }
+        }
+    }
+
+    /// The files that are named.
+    pub fn paths(&self) -> Vec<&Path> {
+        match self {
+            Self::Scene(path) => vec![path],
+            Self::Models(sources) => sources.iter().map(|s| s.path.as_path()).collect(),
         }
     }
 
@@ -264,9 +284,7 @@ fn load_in(
         Input::Scene(path) => mitsuba::load(path, &options)?,
         Input::Models(sources) => load_models(sources, studio, &options, picture)?,
     };
-    for warning in &description.warnings {
-        tracing::warn!("{warning}");
-    }
+    print_warnings(&description.warnings, args);
     let warnings = description.warnings.len() + advise_on_textures(&textures);
     let trimmed = spare::trim(&mut description);
     if trimmed.uv_bytes + trimmed.attribute_bytes > 0 {
@@ -282,6 +300,25 @@ fn load_in(
         trimmed,
         warnings,
     })
+}
+
+/// Warnings that are printed, at most: further ones are in `--stats`, and with --log-level debug.
+const MOST_WARNINGS: usize = 100;
+
+/// Prints what is odd about a scene, as far as that helps: a scene may have as many warnings as shapes.
+fn print_warnings(warnings: &[String], args: &SceneArgs) {
+    let all = tracing::enabled!(tracing::Level::DEBUG);
+    let shown = if all { warnings.len() } else { MOST_WARNINGS };
+    for warning in warnings.iter().take(shown) {
+        tracing::warn!("{warning}");
+    }
+    let further = warnings.len().saturating_sub(shown);
+    if further > 0 {
+        tracing::warn!(
+            "{}: {further} further warnings; --log-level debug prints all of them",
+            args.title()
+        );
+    }
 }
 
 /// Says what would help where images had to be put on disk; how many warnings that takes.
@@ -341,5 +378,12 @@ fn load_models(
     }
     budget::check_files(sources)?;
     let parts = models::load(sources, &settings, options)?;
-    Ok(studio.compose(parts)?)
+    let description = studio.compose(parts)?;
+    let exposure = description.film.exposure;
+    if picture.is_some() && exposure != 0.0 {
+        tracing::info!(
+            "under that sun .png and .jpg get an exposure of {exposure:.1} stops, unless --exposure says otherwise"
+        );
+    }
+    Ok(description)
 }

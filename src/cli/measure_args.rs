@@ -32,6 +32,7 @@ pub struct CompareArgs {
         value_name = "STOPS",
         default_value_t = 0.0,
         allow_negative_numbers = true,
+        value_parser = values::stops,
         help_heading = "Metrics"
     )]
     pub exposure: f32,

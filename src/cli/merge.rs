@@ -36,6 +36,7 @@ pub fn run(args: &MergeArgs) -> Result<(), Failure> {
         return Err(Failure::Wrong("there are no parts to merge".into()));
     };
     let outputs = Outputs::plan(&args.files, Path::new(&first.origin.scene), None)?;
+    outputs.spare("one of the parts", &args.parts)?;
     overrides::check_memory(first.region)?;
     let film = read(&parts)?;
     let missing = missing(&parts, &film);

@@ -2,7 +2,7 @@
 
 use super::field_args::MergeFieldsArgs;
 use super::learning::{self, Opened};
-use super::{Failure, output};
+use super::{Failure, targets};
 
 /// Adds and writes.
 ///
@@ -10,7 +10,12 @@ use super::{Failure, output};
 /// When a field cannot be read, fields do not belong together, records overlap or are missing, or the
 /// sum cannot be written.
 pub fn run(args: &MergeFieldsArgs) -> Result<(), Failure> {
-    output::try_directory(&args.output)?;
+    targets::try_target(&args.output)?;
+    let fields = args.fields.iter();
+    let fields: Vec<_> = fields
+        .map(|path| ("one of the fields", path.as_path()))
+        .collect();
+    targets::check_distinct(&[("-o", &args.output)], &fields)?;
     let mut sum: Option<Opened> = None;
     for path in &args.fields {
         let next = Opened::read(path)?;

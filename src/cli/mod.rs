@@ -19,6 +19,7 @@ pub mod field_args;
 pub mod finish;
 pub mod generate;
 pub mod identity;
+pub mod idle;
 pub mod info;
 pub mod interrupt;
 pub mod invalid;
@@ -41,9 +42,12 @@ pub mod single;
 pub mod sweep;
 pub mod sweep_args;
 pub mod table1;
+pub mod targets;
 pub mod threads;
 pub mod train;
 pub mod values;
+pub mod view;
+pub mod waiting;
 
 pub use args::Cli;
 pub use failure::Failure;
@@ -57,11 +61,15 @@ impl Cli {
     /// Whatever ends the program with an exit code other than 0.
     pub fn run(&self) -> Result<(), Failure> {
         let console = console::Console::start(&self.talk);
+        let interrupt = interrupt::Interrupt::listen(&console)?;
+        for idle in &self.idle {
+            tracing::warn!("{idle}");
+        }
         threads::start(self.threads)?;
         match &self.command {
-            Command::Render(args) => render::run(args, &console),
+            Command::Render(args) => render::run(args, &console, &interrupt),
             Command::Merge(args) => merge::run(args),
-            Command::Train(args) => train::run(args),
+            Command::Train(args) => train::run(args, &console),
             Command::Field(args) => field::run(args),
             Command::MergeFields(args) => merge_fields::run(args),
             Command::Farm(args) => farm::run(args, self.threads),
@@ -70,7 +78,7 @@ impl Cli {
             Command::Make(args) => make::run(args),
             Command::Compare(args) => compare::run(args),
             Command::Table1(args) => table1::run(args),
-            Command::Sweep(args) => sweep::run(args, self.threads),
+            Command::Sweep(args) => sweep::run(args, self.threads, (&console, &interrupt)),
             Command::Bench(what) => bench::run(what),
             Command::Generate(args) => generate::run(args),
         }

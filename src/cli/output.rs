@@ -1,7 +1,10 @@
 //! The files that a render writes: tried before the work, written after it.
 
 use super::Failure;
-use super::args::{self, Aov, FileArgs, NumberFormat};
+use super::args::{self, Aov, FileArgs, NumberFormat, RenderArgs};
+use super::checkpoint::Checkpoint;
+use super::load::Input;
+use super::targets::{Named, check_distinct, named, try_target};
 use crate::film::layers::{Layers, Metadata};
 use crate::film::part::{self, Packing, PartReader, Record};
 use crate::film::{Film, Shard};
@@ -16,11 +19,58 @@ pub struct Outputs {
 }
 
 impl Outputs {
+    /// Refuses to replace one of these files.
+    ///
+    /// # Errors
+    /// When an output would.
+    pub fn spare(&self, what: &str, files: &[PathBuf]) -> Result<(), Failure> {
+        let files: Vec<Named> = files.iter().map(|path| (what, path.as_path())).collect();
+        check_distinct(&self.named(), &files)
+    }
+
+    /// The outputs of a render, tried; its checkpoint, too.
+    ///
+    /// # Errors
+    /// As [`Outputs::plan`]; also when an output would replace a file that the render reads.
+    pub fn of_render(args: &RenderArgs, input: &Input) -> Result<Self, Failure> {
+        let outputs = Self::plan(&args.files, input.first_path(), args.parts.shard)?;
+        let mut written = outputs.named();
+        let checkpoint = Checkpoint::path_of(outputs.first());
+        let unfinished = atomic::unfinished(&checkpoint);
+        if args.parts.saves() {
+            try_target(&checkpoint)?;
+            try_target(&unfinished)?;
+            written.extend([
+                ("--checkpoint", &*checkpoint),
+                ("--checkpoint", &*unfinished),
+            ]);
+        }
+        let files = input
+            .paths()
+            .into_iter()
+            .map(|path| ("what is rendered", path));
+        let mut read: Vec<Named> = files.collect();
+        read.extend(named(&[
+            ("the reference", args.reference.as_deref()),
+            ("the field", args.guide.field.as_deref()),
+            ("the environment map", args.scene.studio.envmap.as_deref()),
+        ]));
+        check_distinct(&written, &read)?;
+        Ok(outputs)
+    }
+
+    /// All files, with the options that name them.
+    fn named(&self) -> Vec<Named<'_>> {
+        let images = self.images.iter().map(|path| ("-o", path.as_path()));
+        let stats = self.stats.iter().map(|path| ("--stats", path.as_path()));
+        images.chain(stats).collect()
+    }
+
     /// Decides the names and tries every one of them: a render of an hour must not end at a typing error.
     /// A shard has one output, its part.
     ///
     /// # Errors
-    /// When a name has no known format, or its directory cannot be written.
+    /// When a name has no known format, it cannot be written, or two are the same.
     pub fn plan(args: &FileArgs, scene: &Path, shard: Option<Shard>) -> Result<Self, Failure> {
         let images = if args.output.is_empty() {
             vec![default_name(scene, shard, ".exr")?]
@@ -35,12 +85,14 @@ impl Outputs {
             check_compiled(path)?;
         }
         for path in images.iter().chain(&args.stats) {
-            try_directory(path)?;
+            try_target(path)?;
         }
-        Ok(Self {
+        let outputs = Self {
             images,
             stats: args.stats.clone(),
-        })
+        };
+        check_distinct(&outputs.named(), &[])?;
+        Ok(outputs)
     }
 
     /// The first image, after which viewers and checkpoints are called.
@@ -203,44 +255,6 @@ pub fn check_compiled(path: &Path) -> Result<(), Failure> {
         format!("{}: this build writes .exr only", path.display()),
         "compile with the feature \"oiio\" for other formats",
     ))
-}
-
-/// Makes and removes a file in the directory where `path` is to be.
-///
-/// # Errors
-/// When that cannot be done.
-pub fn try_directory(path: &Path) -> Result<(), Failure> {
-    let directory = match path.parent() {
-        Some(d) if !d.as_os_str().is_empty() => d,
-        _ => Path::new("."),
-    };
-    if path.is_dir() {
-        let help = "name a file in it";
-        return Err(Failure::refused(
-            format!("{} is a directory", path.display()),
-            help,
-        ));
-    }
-    if !directory.is_dir() {
-        return Err(Failure::refused(
-            format!(
-                "{} cannot be written: there is no directory {}",
-                path.display(),
-                directory.display()
-            ),
-            format!("make it with: mkdir -p {}", directory.display()),
-        ));
-    }
-    tempfile::Builder::new()
-        .prefix(".twintree-")
-        .tempfile_in(directory)
-        .map(drop)
-        .map_err(|e| {
-            Failure::refused(
-                format!("{} cannot be written: {e}", path.display()),
-                format!("choose a directory other than {}", directory.display()),
-            )
-        })
 }
 
 /// The layers that were asked for beside the picture.

@@ -1,8 +1,8 @@
 //! How far a render is: a bar on a terminal, lines elsewhere.
 
-use super::checkpoint::Checkpoint;
 use super::console::Console;
 use super::error_track::ErrorTrack;
+use super::finish::Done;
 use super::interrupt::Interrupt;
 use super::preview::Tev;
 use crate::film::{Film, Noise};
@@ -10,22 +10,22 @@ use crate::integrate::render::{Limits, Observer, Progress, Spent};
 use crate::report::words;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 /// Steps of the bar.
 const STEPS: u64 = 1000;
 /// Time between two looks at a bar.
-const BAR_INTERVAL: Duration = Duration::from_millis(200);
+pub const BAR_INTERVAL: Duration = Duration::from_millis(200);
 /// Lines come at every tenth of the work, but not faster than this.
 const SHORTEST_SILENCE: Duration = Duration::from_secs(1);
 /// A line comes after this time, even without a tenth.
-const LONGEST_SILENCE: Duration = Duration::from_secs(10);
+pub const LONGEST_SILENCE: Duration = Duration::from_secs(10);
 
 /// Watches a render for the person who waits.
 pub struct Watch<'a> {
     interrupt: &'a Interrupt,
-    checkpoint: Option<&'a Checkpoint>,
+    done: &'a Done<'a>,
     track: Option<&'a ErrorTrack>,
     /// Time and samples of earlier goes.
     before: (Duration, u64),
@@ -36,6 +36,8 @@ pub struct Watch<'a> {
     display: Display,
     shown: Mutex<Shown>,
     preview: Mutex<Option<Tev>>,
+    /// Whether it was said that paths are long.
+    long_paths: AtomicBool,
 }
 
 enum Display {
@@ -60,7 +62,7 @@ impl<'a> Watch<'a> {
         limits: Limits,
         film: &Film,
         preview: Option<Tev>,
-        (checkpoint, before): (Option<&'a Checkpoint>, Duration),
+        (done, before): (&'a Done<'a>, Duration),
     ) -> Self {
         let display = match (console.shows_progress(), console.has_terminal()) {
             (false, _) => Display::Nothing,
@@ -70,7 +72,7 @@ impl<'a> Watch<'a> {
         let start = Instant::now();
         Self {
             interrupt,
-            checkpoint,
+            done,
             track: None,
             before: (before, film.samples_done()),
             limits,
@@ -84,6 +86,7 @@ impl<'a> Watch<'a> {
                 noise: None,
             }),
             preview: Mutex::new(preview),
+            long_paths: AtomicBool::new(false),
         }
     }
 
@@ -132,7 +135,7 @@ impl<'a> Watch<'a> {
         let text = self.sentence(samples, elapsed, fraction, shown.noise);
         match &self.display {
             Display::Bar(bar) => {
-                bar.set_message(text);
+                bar.set_message(fitting(text));
                 bar.set_position((fraction * STEPS as f64) as u64);
             }
             _ if tenths == shown.tenths && silence < LONGEST_SILENCE => return,
@@ -151,7 +154,9 @@ impl<'a> Watch<'a> {
     ) -> String {
         let seconds = elapsed.as_secs_f64();
         let rate = (samples - self.before.1) as f64 / self.start.elapsed().as_secs_f64();
-        let mut text = format!("{:.1}", samples as f64 / self.pixels as f64);
+        let spp = samples as f64 / self.pixels as f64;
+        let decimals = usize::from(spp < 99.95);
+        let mut text = format!("{spp:.decimals$}");
         if self.limits.spp < u64::MAX {
             text += &format!("/{}", self.limits.spp);
         }
@@ -192,16 +197,30 @@ impl Observer for Watch<'_> {
         self.track.map_or(Duration::ZERO, ErrorTrack::time_taken)
     }
 
+    fn path_is_long(&self, edges: u32) {
+        if !self.long_paths.swap(true, Ordering::Relaxed) {
+            tracing::warn!(
+                "paths go on after {edges} edges: they may have no end. --max-depth 100 ends them"
+            );
+        }
+    }
+
+    fn gave_up(&self) {
+        tracing::warn!(
+            "paths without an end in sight were given up, and the samples that were traced with them are left out"
+        );
+    }
+
     fn should_pause(&self) -> bool {
-        self.checkpoint
-            .is_some_and(|c| self.interrupt.save_requested() || c.is_due())
+        let due = self.done.checkpoint.is_some_and(|c| c.is_due());
+        due || self.interrupt.save_requested()
     }
 
     fn paused(&self, spent: &Spent, film: &Film) {
-        let Some(checkpoint) = self.checkpoint else {
-            return;
-        };
         self.interrupt.saves();
+        let Some(checkpoint) = self.done.checkpoint else {
+            return self.done.write_so_far(spent, film);
+        };
         // An older checkpoint is still there, and the next may fare better: no reason to stop.
         if let Err(e) = checkpoint.save(spent, film) {
             tracing::warn!("no checkpoint: {e}; rendering goes on");
@@ -229,17 +248,54 @@ fn fraction_done(
     by_samples.max(by_time).max(by_noise).min(1.0)
 }
 
+/// Columns of a bar before its message.
+const BEFORE_MESSAGE: usize = 16;
+/// Columns that stay free behind it, for the `^C` that a terminal shows: no line is to wrap.
+const BEHIND_MESSAGE: usize = 4;
+
 fn bar() -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:24} {percent:>3} %  {msg}");
+    let style = ProgressStyle::with_template("{bar:8} {percent:>3} %  {msg}");
     let bar = ProgressBar::new(STEPS);
     // The template is this line's own: were it refused, indicatif's default would serve.
     bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
     bar
 }
 
+/// A line that moves, for work of unknown length.
+pub fn spinner() -> ProgressBar {
+    let bar = ProgressBar::new_spinner();
+    let style = ProgressStyle::with_template("{spinner} {msg}");
+    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
+    bar
+}
+
+/// A message as long as the terminal has room for behind a bar.
+pub fn fitting(message: String) -> String {
+    let columns = usize::from(::console::Term::stderr().size().1);
+    cut(message, columns)
+}
+
+/// What fits into so many columns, bar and all.
+fn cut(mut message: String, columns: usize) -> String {
+    let room = columns.saturating_sub(BEFORE_MESSAGE + BEHIND_MESSAGE);
+    if let Some((end, _)) = message.char_indices().nth(room) {
+        message.truncate(end);
+    }
+    message
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_line_fits_the_terminal() {
+        let long = "16384/16384 spp  99.9 k samples/s  noise 0.0123  9.99 s left";
+        assert_eq!(cut(long.into(), 80), long);
+        assert_eq!(cut(long.into(), 40).len(), 20);
+        assert_eq!(cut("äöü".into(), 22), "äö");
+        assert_eq!(cut(long.into(), 10), "");
+    }
 
     #[test]
     fn the_limit_that_comes_first_tells_how_far_things_are() {

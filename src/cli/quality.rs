@@ -4,6 +4,7 @@
 
 use super::args::{Cli, Command, Preset, RenderArgs};
 use super::field_args::Guide;
+use super::idle::Typed;
 use clap::parser::ValueSource;
 use clap::{ArgMatches, CommandFactory, FromArgMatches};
 
@@ -47,7 +48,7 @@ const fn settings(preset: Preset) -> Settings {
 impl Cli {
     /// Reads the command line. What is wrong with it is printed, and the program ends.
     pub fn read() -> Self {
-        let matches = Self::command().get_matches();
+        let matches = with_plain_errors(Self::command()).get_matches();
         let mut cli = match Self::from_arg_matches(&matches) {
             Ok(cli) => cli,
             Err(e) => e.exit(),
@@ -57,8 +58,35 @@ impl Cli {
         {
             apply(args, matches);
         }
+        if let Some((_, matches)) = matches.subcommand() {
+            let typed = Typed(matches);
+            cli.idle = match &cli.command {
+                Command::Render(args) => typed.of_render(args),
+                Command::Merge(args) => typed.of_merge(args),
+                Command::Train(args) => typed.of_train(args),
+                Command::Field(args) => typed.of_field(args),
+                _ => Vec::new(),
+            };
+        }
         cli
     }
+}
+
+/// A negative number behind an option is its value, which the option's own words refuse: otherwise clap
+/// takes it for another option, and speaks of that.
+fn with_plain_errors(command: clap::Command) -> clap::Command {
+    let takes_numbers = |arg: clap::Arg| {
+        let plain = !arg.get_action().takes_values()
+            || arg.is_positional()
+            || arg.is_allow_hyphen_values_set();
+        match plain {
+            true => arg,
+            false => arg.allow_negative_numbers(true),
+        }
+    };
+    command
+        .mut_args(takes_numbers)
+        .mut_subcommands(with_plain_errors)
 }
 
 /// Puts the settings of the quality where nothing was typed.
@@ -110,6 +138,34 @@ mod tests {
         let args = read("--quality draft --paths 2000000");
         assert_eq!(args.guide.learn.paths, 2_000_000);
         assert_eq!(read("").stop.noise, None);
+    }
+
+    #[test]
+    fn negative_numbers_are_refused_as_numbers() {
+        for (line, part) in [
+            ("render a.xml --spp -1", "-1"),
+            ("render a.xml --time -3", "a time above 0"),
+            ("render a.xml --width -5", "-5 is not in 1..=131072"),
+            ("render a.xml --photons -100", "-100"),
+            ("render a.xml --crop -1,0,5,5", "four whole numbers"),
+            ("render a.xml --pixel -1,5", "two whole numbers"),
+            ("compare a.exr -r b.exr --data-range -1", "above 0"),
+            (
+                "make mesh --kind terrain -o a.ply --triangles -5",
+                "above 0",
+            ),
+            ("check a.xml --texture-memory -5", "amount of memory"),
+            ("check a.xml -j -5", "-5 is not in 1..=65535"),
+        ] {
+            let command = with_plain_errors(Cli::command());
+            let line = format!("twintree {line}");
+            let e = command.try_get_matches_from(line.split_whitespace());
+            let text = e.unwrap_err().to_string();
+            assert!(
+                text.contains("invalid value") && text.contains(part),
+                "{text}"
+            );
+        }
     }
 
     #[test]

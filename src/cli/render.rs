@@ -12,7 +12,8 @@ use super::output::Outputs;
 use super::preview::Tev;
 use super::progress::Watch;
 use super::values::Preview;
-use super::{Failure, invalid, learning, overrides, threads};
+use super::waiting::Waiting;
+use super::{Failure, invalid, learning, overrides, threads, view};
 use crate::camera::Camera;
 use crate::film::Film;
 use crate::integrate::learn::Learner;
@@ -35,7 +36,7 @@ struct Times {
 struct Setting<'a> {
     view: View<'a>,
     limits: Limits,
-    checkpoint: Option<&'a Checkpoint>,
+    done: &'a Done<'a>,
     track: Option<&'a ErrorTrack>,
     /// What earlier goes have cost.
     before: Spent,
@@ -45,15 +46,16 @@ struct Setting<'a> {
 ///
 /// # Errors
 /// When the scene cannot be used or an image cannot be written; after an interrupt, with all written.
-pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
+pub fn run(args: &RenderArgs, console: &Console, interrupt: &Interrupt) -> Result<(), Failure> {
     if let Some(pixel) = args.doubt.pixel {
         return super::single::run(args, pixel.0);
     }
-    let interrupt = Interrupt::listen(args.parts.saves())?;
     let input = Input::of(&args.scene)?;
-    let outputs = Outputs::plan(&args.files, input.first_path(), args.parts.shard)?;
+    let outputs = Outputs::of_render(args, &input)?;
+    warn_of_shard(args);
     let mut times = Times::default();
     let (mut loaded, triangles) = read(args, &input, &mut times)?;
+    outputs.spare("an image of the scene", &loaded.image_files())?;
     let field = learning::wanted_file(&args.guide)?;
     let fingerprint = match args.parts.wanted() || field.is_some() {
         true => Some(loaded.fingerprint()?),
@@ -68,6 +70,7 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
     let settings = overrides::guided_path_settings(args, &description.render);
     let limits = overrides::limits(&args.stop, &description.render);
     let camera = Camera::new(&description.camera, width, height);
+    view::warn(&scene, &camera, &description.camera, &description.film);
     let plain = View {
         scene: &scene,
         camera: &camera,
@@ -89,18 +92,27 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
     let Some(before) = go_on(args, &outputs, checkpoint.as_ref(), &mut film)? else {
         return Ok(());
     };
+    let waiting = Waiting::for_learning(console, args.guide.learn.photons);
     let mut guiding = timed(&mut times.train, || {
         learning::guiding(&args.guide, field, &plain, &limits)
     })?;
+    drop(waiting);
     let photons = guiding.elapsed();
     let mut learner = guiding.learner.take();
+    let done = Done {
+        args,
+        outputs: &outputs,
+        checkpoint: checkpoint.as_ref(),
+        record,
+        exposure: description.film.exposure,
+    };
     let setting = Setting {
         view: View {
             guide: guiding.prepared(),
             ..plain
         },
         limits,
-        checkpoint: checkpoint.as_ref(),
+        done: &done,
         track: track.as_ref(),
         before: Spent {
             time: before.time + photons,
@@ -108,9 +120,7 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
         },
     };
     let learning = learner.as_mut();
-    let summary = trace(
-        args, console, &interrupt, &outputs, &setting, learning, &mut film,
-    );
+    let summary = trace((console, interrupt), &setting, learning, &mut film);
     guiding.learner = learner;
     if let Some(learner) = &guiding.learner {
         learning::describe(learner);
@@ -126,14 +136,10 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
     stats.field = guiding.learner.as_ref().map(Learner::stats);
     stats.trial = guiding.learner.as_ref().and_then(Learner::verdict);
     tracing::info!("{}", stats.sentence());
+    if let Some(sentence) = stats.error_sentence() {
+        tracing::info!("{sentence}");
+    }
     invalid::warn(&film);
-    let done = Done {
-        args,
-        outputs: &outputs,
-        checkpoint: checkpoint.as_ref(),
-        record,
-        exposure: description.film.exposure,
-    };
     done.write(&film, &summary, &mut stats)?;
     let left_out = invalid::LeftOut {
         samples: stats.invalid_samples,
@@ -158,6 +164,15 @@ fn go_on(
         return Ok(None);
     }
     Ok(Some(checkpoint.load(film)?.unwrap_or_default()))
+}
+
+/// A shard that is interrupted leaves nothing: better said before than after.
+fn warn_of_shard(args: &RenderArgs) {
+    if args.parts.shard.is_some() && !args.parts.saves() {
+        tracing::info!(
+            "an interrupted shard leaves nothing: with --checkpoint 10m it can go on later"
+        );
+    }
 }
 
 fn timed<T>(seconds: &mut f64, work: impl FnOnce() -> T) -> T {
@@ -185,17 +200,15 @@ fn read(args: &RenderArgs, input: &Input, times: &mut Times) -> Result<(Loaded, 
 }
 
 fn trace(
-    args: &RenderArgs,
-    console: &Console,
-    interrupt: &Interrupt,
-    outputs: &Outputs,
+    (console, interrupt): (&Console, &Interrupt),
     setting: &Setting,
     learner: Option<&mut Learner>,
     film: &mut Film,
 ) -> Summary {
-    let preview = match &args.preview {
+    let done = setting.done;
+    let preview = match &done.args.preview {
         Some(Preview::Tev(address)) => {
-            Tev::connect(address, &outputs.first().display().to_string(), film)
+            Tev::connect(address, &done.outputs.first().display().to_string(), film)
         }
         None => None,
     };
@@ -206,7 +219,7 @@ fn trace(
         threads::count()
     );
     let limits = setting.limits;
-    let goes = (setting.checkpoint, setting.before.time);
+    let goes = (done, setting.before.time);
     interrupt.be_patient();
     let watch = Watch::start(interrupt, console, limits, film, preview, goes);
     let watch = watch.measuring(setting.track);

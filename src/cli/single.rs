@@ -2,10 +2,10 @@
 
 use super::args::RenderArgs;
 use super::load::{self, Input};
-use super::{Failure, learning, overrides};
+use super::{Failure, console, learning, overrides};
 use crate::camera::Camera;
 use crate::film::FilmDescription;
-use crate::integrate::inspect::{Step, Traced, teach_until, trace_sample};
+use crate::integrate::inspect::{MOST_STEPS, Step, Traced, teach_until, trace_sample};
 use crate::integrate::render::View;
 use crate::integrate::start::PathNumber;
 use crate::math::{Rgb, Vec3};
@@ -54,14 +54,21 @@ pub fn run(args: &RenderArgs, pixel: [u32; 2]) -> Result<(), Failure> {
         ..plain
     };
     let traced = trace_sample(&view, pixel, path);
-    print!("{}", text(pixel, sample, &traced, &names));
+    let mut text = text(pixel, sample, &traced, &names);
+    if traced.steps.len() >= MOST_STEPS {
+        tracing::warn!(
+            "the path goes on after {MOST_STEPS} edges, and was left there: --max-depth ends it"
+        );
+    }
     if view.guide.is_some() && settings.reuse > 1 {
-        println!(
+        // Writing to a String does not fail.
+        let _ = writeln!(
+            text,
             "That is the path by itself: in the image it shares with others (--reuse {}).",
             settings.reuse
         );
     }
-    Ok(())
+    console::print_result(&text)
 }
 
 fn check_pixel(film: &FilmDescription, [x, y]: [u32; 2]) -> Result<(), Failure> {

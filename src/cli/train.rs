@@ -1,10 +1,12 @@
 //! `twintree train`: from a scene to a field file.
 
 use super::args::RayArgs;
-use super::field_args::TrainArgs;
+use super::console::Console;
+use super::field_args::{Teachers, TrainArgs};
 use super::learning::{self, Opened};
 use super::load::Input;
-use super::{Failure, load, output, overrides};
+use super::waiting::Waiting;
+use super::{Failure, load, output, overrides, targets};
 use crate::camera::Camera;
 use crate::integrate::extend::{More, extend, to_file};
 use crate::integrate::render::View;
@@ -15,13 +17,16 @@ use std::time::Instant;
 ///
 /// # Errors
 /// When the scene or the field to go on from cannot be used, or the file cannot be written.
-pub fn run(args: &TrainArgs) -> Result<(), Failure> {
+pub fn run(args: &TrainArgs, console: &Console) -> Result<(), Failure> {
     let input = Input::of(&args.scene)?;
     let target = match &args.output {
         Some(path) => path.clone(),
         None => output::default_name(input.first_path(), args.shard, ".field")?,
     };
-    output::try_directory(&target)?;
+    targets::try_target(&target)?;
+    let files = input.paths().into_iter();
+    let files: Vec<_> = files.map(|path| ("what is learned from", path)).collect();
+    targets::check_distinct(&[("-o", &target)], &files)?;
     let base = args.field.as_deref().map(Opened::read).transpose()?;
     let mut loaded = load::load(&args.scene, &input, None)?;
     let (width, height) = (args.size.width, args.size.height);
@@ -53,6 +58,8 @@ pub fn run(args: &TrainArgs) -> Result<(), Failure> {
         settings: &settings,
         guide: None,
     };
+    let records = records(args);
+    let waiting = Waiting::for_learning(console, Some(records));
     let file = match &base {
         Some(base) => further(args, base, &view)?,
         None => {
@@ -62,7 +69,20 @@ pub fn run(args: &TrainArgs) -> Result<(), Failure> {
             to_file(&view, &how, learned, fingerprint)
         }
     };
+    drop(waiting);
     learning::write(&target, &file)
+}
+
+/// Photons and paths that will be learned from.
+fn records(args: &TrainArgs) -> u64 {
+    let learn = &args.learn;
+    let (photons, paths) = (learn.photons.unwrap_or(overrides::PHOTONS), learn.paths);
+    let all = match learn.train {
+        Teachers::Photons => photons,
+        Teachers::Paths => paths,
+        Teachers::Both => photons.saturating_add(paths),
+    };
+    args.shard.map_or(all, |s| all / u64::from(s.count))
 }
 
 /// Learns further over the structure of a field.

@@ -264,6 +264,19 @@ pub fn noise(text: &str) -> Result<f32, String> {
     }
 }
 
+/// A brightness as a power of two.
+///
+/// # Errors
+/// A sentence that says what was expected.
+pub fn stops(text: &str) -> Result<f32, String> {
+    /// Beyond it every picture is black or white.
+    const MOST: f32 = 64.0;
+    match text.parse::<f32>() {
+        Ok(stops) if stops.abs() <= MOST => Ok(stops),
+        _ => Err("expected a number from -64 to 64 such as 1.5 or -2".into()),
+    }
+}
+
 /// A field of view in degrees.
 ///
 /// # Errors
@@ -374,6 +387,14 @@ mod tests {
         }
         for text in ["", "0", "-1", "k", "5X", "5MB", "nan", "inf"] {
             assert!(amount(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn exposures_are_finite() {
+        assert_eq!(stops("-2.5"), Ok(-2.5));
+        for text in ["nan", "inf", "-inf", "1e30", "bright", ""] {
+            assert!(stops(text).is_err(), "{text}");
         }
     }
 

@@ -23,6 +23,7 @@ pub mod metrics;
 pub mod oiio;
 #[cfg(any(test, not(feature = "oiio")))]
 mod openexr;
+pub mod passing;
 mod promise;
 pub mod regular;
 pub mod spill;

@@ -11,6 +11,8 @@ use crate::guide::SurfacePoint;
 const PATHS: u64 = 1 << 14;
 /// Vertices that a cell holds on average when the look can tell it from its neighbours.
 pub const PER_CELL: usize = 16;
+/// Edges of a path that is looked at, at most: longer ones have no light left, or no end.
+const FAR: u32 = 128;
 /// Sets the numbers of these paths apart from those that teach.
 const LOOK: u64 = 0x2545_f491_4f6c_dd1d;
 
@@ -23,6 +25,7 @@ pub fn met_by_camera(view: &View) -> Vec<SurfacePoint> {
 pub fn met_by(view: &View, paths: u64) -> Vec<SurfacePoint> {
     let mut settings = view.settings.clone();
     settings.seed ^= LOOK;
+    settings.max_depth = settings.max_depth.min(FAR);
     let view = View {
         settings: &settings,
         ..*view

@@ -18,6 +18,9 @@ use crate::math::{Rgb, Vec3};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
+/// Edges after which a path is left: nobody reads on, and it may have no end.
+pub const MOST_STEPS: usize = 100_000;
+
 /// Light that a vertex's own light sample would bring.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightBrought {
@@ -84,7 +87,7 @@ pub fn trace_sample(view: &View, [x, y]: [u32; 2], path: PathNumber) -> Traced {
     let (mut steps, mut stations) = (Vec::new(), Vec::new());
     let mut next = vec![(path, camera.ray)];
     // All ways together, bounce by bounce, as in a wave.
-    while !next.is_empty() {
+    while !next.is_empty() && steps.len() < MOST_STEPS {
         let (mut onward, mut found, mut lit) = (Vec::new(), Vec::new(), Vec::new());
         for (mut path, ray) in next {
             let outcome = &mut outcomes[path.slot as usize];

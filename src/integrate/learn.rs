@@ -5,6 +5,7 @@
 //! hands the [`Lessons`] of its first passes to a [`Learner`] and renders the next pass with what that
 //! has learned ([`super::render`] does). [`learn`] makes paths of its own, for a field without an image.
 
+use super::PathSettings;
 use super::chain::Aiming;
 use super::guiding::Guide;
 use super::importance;
@@ -12,7 +13,7 @@ use super::record::{Lessons, Records};
 use super::render::View;
 use super::trial::{self, Verdict};
 use super::vertex::Walk;
-use super::wave::Wave;
+use super::wave::{LONG, Wave};
 use crate::camera::CameraRay;
 use crate::guide::{
     BATCH, Field, Fractions, GuideError, ModelKind, Photon, Settings, Source, Stats, SurfacePoint,
@@ -25,6 +26,7 @@ use crate::photon::{Landing, PhotonCounts, PhotonSettings};
 use crate::scene::Scene;
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 /// Photons in a wave: one task.
@@ -37,6 +39,15 @@ const AREA_POINTS: usize = 1 << 20;
 const SAMPLES_A_POINT: u64 = 8;
 /// Rounds of refining after a batch.
 const ROUNDS: u32 = 4;
+
+/// Photons and camera paths that have been traced to learn from.
+static TRACED: AtomicU64 = AtomicU64::new(0);
+
+/// Photons and camera paths that this program has traced so far to learn from, those of images left out: for whoever
+/// shows that learning goes on.
+pub fn traced() -> u64 {
+    TRACED.load(Ordering::Relaxed)
+}
 
 /// How a field is learned.
 #[derive(Clone, Debug, PartialEq)]
@@ -281,10 +292,16 @@ pub(super) fn train(trainer: &mut Trainer, lessons: &[Lessons]) {
 }
 
 /// Traces camera paths, in waves side by side; the lessons of each, in order. Path `i` of a film of
-/// n pixels looks through a pixel of its own, so that a long enough run covers the film evenly.
+/// n pixels looks through a pixel of its own, so that a long enough run covers the film evenly. No path is endless:
+/// there is no image whose mean that could change.
 pub(super) fn lessons(view: &View, guide: Option<&Guide>, range: Range<u64>) -> Vec<Lessons> {
     let starts: Vec<u64> = range.clone().step_by(WAVE_PATHS as usize).collect();
+    let settings = PathSettings {
+        max_depth: view.settings.max_depth.min(LONG),
+        ..view.settings.clone()
+    };
     let walk = Walk {
+        settings: &settings,
         guide: guide.map(Into::into),
         ..view.walk()
     };
@@ -298,6 +315,7 @@ pub(super) fn lessons(view: &View, guide: Option<&Guide>, range: Range<u64>) -> 
             }
             let mut lessons = Lessons::default();
             let outcomes = wave.trace(&walk, records);
+            TRACED.fetch_add(WAVE_PATHS.min(range.end - from), Ordering::Relaxed);
             records.conclude(outcomes, &mut lessons);
             lessons
         })
@@ -343,6 +361,7 @@ pub(super) fn trace_batch(
                     });
                 }
             });
+            TRACED.fetch_add(to - from, Ordering::Relaxed);
             (landed, counts)
         })
         .collect();

@@ -15,6 +15,7 @@ use crate::scene::Scene;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// When to stop: whichever comes first.
@@ -81,6 +82,13 @@ pub trait Observer: Sync {
     fn should_pause(&self) -> bool {
         false
     }
+    /// A path goes on after so many edges. Called from many threads at once, and more than once.
+    fn path_is_long(&self, edges: u32) {
+        let _ = edges;
+    }
+    /// Paths without an end in sight were given up, for the render is to end: their samples, and those that were
+    /// traced with them, are left out.
+    fn gave_up(&self) {}
     /// Time that [`Observer::pass_done`] has kept the render waiting for matters of its own: it does not
     /// count as rendering.
     fn time_aside(&self) -> Duration {
@@ -121,6 +129,8 @@ pub struct Summary {
 /// Samples that travel together: enough to fill the ray tracer's packets after most paths have ended,
 /// few enough for a core's second-level cache.
 const WAVE_SAMPLES: u64 = 4096;
+/// Edges of a path that say that it may have no end.
+const VERY_LONG: u32 = 10_000;
 /// Most samples a pixel takes in one pass: the interval between looks at the clock.
 pub(super) const PASS_SPP: u64 = 64;
 
@@ -172,7 +182,10 @@ pub fn resume(
 ) -> Summary {
     let start = Instant::now();
     let elapsed = || before.time + start.elapsed().saturating_sub(observer.time_aside());
-    let job = Job::new(view, observer, before.rays);
+    let job = Job {
+        time_is_up: limits.time.map(|t| start + t.saturating_sub(before.time)),
+        ..Job::new(view, observer, before.rays)
+    };
     let iteration = learner
         .as_deref_mut()
         .map(|learner| teach(&job, learner, film, limits, &elapsed));
@@ -199,11 +212,14 @@ pub fn resume(
         if pass == 0 {
             break StoppedBy::Time;
         }
-        while !job.pass(film, spp + pass) && !observer.should_stop() {
+        while !job.pass(film, spp + pass) && !observer.should_stop() && !job.has_given_up() {
             observer.paused(&job.spent(elapsed()), film);
         }
         if film.spp_done() < spp + pass {
-            break StoppedBy::Interrupt;
+            break match observer.should_stop() {
+                true => StoppedBy::Interrupt,
+                false => StoppedBy::Time,
+            };
         }
         spp += pass;
         noise = film.noise();
@@ -268,6 +284,9 @@ pub(super) struct Job<'a> {
     rays_before: u64,
     /// Buffers not in use.
     waves: Mutex<Vec<Wave>>,
+    /// When paths that have no end may be given up, by the clock.
+    time_is_up: Option<Instant>,
+    given_up: AtomicBool,
 }
 
 impl<'a> Job<'a> {
@@ -279,7 +298,28 @@ impl<'a> Job<'a> {
             iteration: Iteration::default(),
             rays_before,
             waves: Mutex::new(Vec::new()),
+            time_is_up: None,
+            given_up: AtomicBool::new(false),
         }
+    }
+
+    /// Whether a wave was given up: the render ends, for the next would fare no better.
+    pub(super) fn has_given_up(&self) -> bool {
+        self.given_up.load(Ordering::Relaxed)
+    }
+
+    /// Whether to give up a wave whose paths go on after so many edges.
+    fn gives_up(&self, edges: u32) -> bool {
+        if edges >= VERY_LONG {
+            self.observer.path_is_long(edges);
+        }
+        let aside = || self.observer.time_aside();
+        let late = |at: Instant| Instant::now() >= at + aside();
+        let ends = self.observer.should_stop() || self.time_is_up.is_some_and(late);
+        if ends && !self.given_up.swap(true, Ordering::Relaxed) {
+            self.observer.gave_up();
+        }
+        ends
     }
 
     /// Rays traced in this go, by waves that are not in use.
@@ -308,7 +348,8 @@ impl<'a> Job<'a> {
                 if !tile.is_held() || range.is_empty() {
                     return;
                 }
-                if self.observer.should_stop() || self.observer.should_pause() {
+                let observer = self.observer;
+                if observer.should_stop() || observer.should_pause() || self.has_given_up() {
                     return;
                 }
                 let part = self.iteration.part(range, number);
@@ -320,7 +361,8 @@ impl<'a> Job<'a> {
     /// Takes samples of a tile's pixels, a wave at a time, and adds those that the tile lacks,
     /// if the film holds it. All paths of a pixel's share of a wave stand next to each other: their
     /// camera rays make coherent packets. `conclude` sees every wave's outcomes after `witness` has
-    /// watched it.
+    /// watched it. Returns the number of the sample that would come next: the end of the part, unless a wave was
+    /// given up.
     pub(super) fn take_samples<W: Witness>(
         &self,
         walk: &Walk,
@@ -328,7 +370,7 @@ impl<'a> Job<'a> {
         part: Part,
         witness: &mut W,
         mut conclude: impl FnMut(&mut W, &Outcomes, &[Start]),
-    ) {
+    ) -> u64 {
         // A thread that panicked left a wave behind that nobody will read: go on with a new one.
         let idle = self.waves.lock().map_or(None, |mut w| w.pop());
         let mut wave = idle.unwrap_or_default();
@@ -340,7 +382,9 @@ impl<'a> Job<'a> {
             self.begin(tile, &part, from..to, &mut wave, &mut starts);
             origins.clear();
             origins.extend(starts.iter().map(Start::origin));
-            let outcomes = wave.trace_image(walk, witness, &origins);
+            let gives_up = |edges| self.gives_up(edges);
+            let outcomes = wave.trace_image_until(walk, witness, &origins, &gives_up);
+            let Some(outcomes) = outcomes else { break };
             conclude(witness, &outcomes, &starts);
             add(tile, outcomes.image, &starts);
             from = to;
@@ -348,6 +392,7 @@ impl<'a> Job<'a> {
         if let Ok(mut waves) = self.waves.lock() {
             waves.push(wave);
         }
+        from
     }
 
     /// The same for samples of the image: the tile has taken them then.
@@ -359,8 +404,7 @@ impl<'a> Job<'a> {
         witness: &mut W,
         conclude: impl FnMut(&mut W, &Outcomes, &[Start]),
     ) {
-        let end = part.samples.end;
-        self.take_samples(walk, tile, part, witness, conclude);
+        let end = self.take_samples(walk, tile, part, witness, conclude);
         if tile.is_held() && tile.done < end {
             let samples = (end - tile.done) * tile.area() as u64;
             self.observer.tile_done(samples);

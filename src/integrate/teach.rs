@@ -128,7 +128,7 @@ fn pass(
         .enumerate()
         .with_max_len(1)
         .all(|(number, ((tile, lessons), survey))| {
-            if job.observer.should_stop() {
+            if job.observer.should_stop() || job.has_given_up() {
                 return false;
             }
             lessons.clear();
@@ -148,6 +148,6 @@ fn pass(
                     }
                 },
             );
-            true
+            !job.has_given_up()
         })
 }

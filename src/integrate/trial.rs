@@ -162,7 +162,8 @@ fn half(job: &Job, film: &FilmDescription, guide: Option<&Guide>) -> (Vec<(Tile,
         .with_max_len(1)
         .map(|tile| {
             let mut gains = Gains::default();
-            if tile.is_held() && !job.observer.should_stop() {
+            let ends = job.observer.should_stop() || job.has_given_up();
+            if tile.is_held() && !ends {
                 let part = trial.part(SAMPLES, 0);
                 job.take_samples(&walk, tile, part, &mut gains, |_, _, _| {});
             }

@@ -16,6 +16,11 @@ use crate::scene::Scene;
 /// once, few enough for the smallest cache.
 const AHEAD: usize = 32;
 
+/// Edges after which a wave may be given up, and from there on every so many: roulette and dark surfaces have
+/// ended any other path by then (of a path between walls that reflect 0.99, 3e-5 would be left).
+pub const LONG: u32 = 1024;
+const BETWEEN_LOOKS: u32 = 64;
+
 /// [`Path::station`] of a path that has left no vertex where chains were sampled.
 pub const NO_STATION: u32 = u32::MAX;
 
@@ -174,7 +179,7 @@ impl Wave {
     /// Traces all samples to their ends, watched by `witness` (`&mut ()` for nobody). The samples' outcomes
     /// come first, in order; behind them those of ways that split off, which the samples' include.
     pub fn trace(&mut self, walk: &Walk, witness: &mut impl Witness) -> &[Outcome] {
-        self.run(walk, witness, &mut Pool::new(1));
+        self.run(walk, witness, &mut Pool::new(1), &|_| false);
         self.forks.settle(&mut self.outcomes);
         &self.outcomes
     }
@@ -187,10 +192,30 @@ impl Wave {
         witness: &mut impl Witness,
         origins: &[Origin],
     ) -> Outcomes<'_> {
+        // Nobody gives it up: it always comes to its end.
+        self.trace_image_until(walk, witness, origins, &|_| false)
+            .unwrap_or(Outcomes {
+                own: &[],
+                image: &[],
+                rays: 0,
+            })
+    }
+
+    /// The same, unless it is given up: where paths go on after [`LONG`] edges, `gives_up` is asked now and then,
+    /// with the number of edges so far. Then there is no outcome: without the long paths the rest would be biased.
+    pub fn trace_image_until(
+        &mut self,
+        walk: &Walk,
+        witness: &mut impl Witness,
+        origins: &[Origin],
+        gives_up: &dyn Fn(u32) -> bool,
+    ) -> Option<Outcomes<'_>> {
         let before = self.rays_traced;
         let guided = walk.guide.is_some();
         let mut pool = Pool::new(if guided { walk.settings.reuse } else { 1 });
-        self.run(walk, witness, &mut pool);
+        if !self.run(walk, witness, &mut pool, gives_up) {
+            return None;
+        }
         if pool.is_open() {
             self.shared.clone_from(&self.outcomes);
         }
@@ -200,15 +225,22 @@ impl Wave {
             self.rays_traced += pool.settle(walk, origins, &mut self.forks, &mut self.shared);
             image = &self.shared;
         }
-        Outcomes {
+        Some(Outcomes {
             own: &self.outcomes,
             image,
             rays: self.rays_traced - before,
-        }
+        })
     }
 
-    /// Traces all samples to their ends.
-    fn run<'s>(&mut self, walk: &Walk<'s>, witness: &mut impl Witness, pool: &mut Pool<'s>) {
+    /// Traces all samples to their ends; `false` if they were given up before.
+    fn run<'s>(
+        &mut self,
+        walk: &Walk<'s>,
+        witness: &mut impl Witness,
+        pool: &mut Pool<'s>,
+        gives_up: &dyn Fn(u32) -> bool,
+    ) -> bool {
+        let mut edges: u32 = 0;
         self.forks.start(self.outcomes.len());
         self.stations.clear();
         self.paths.iter_mut().for_each(|path| path.set_out(walk));
@@ -221,7 +253,13 @@ impl Wave {
                 None => self.advance::<false>(walk, witness, pool),
             }
             self.collect_light(walk.scene, witness);
+            edges = edges.saturating_add(1);
+            let looks = edges >= LONG && edges % BETWEEN_LOOKS == 0;
+            if looks && !self.paths.is_empty() && gives_up(edges) {
+                return false;
+            }
         }
+        true
     }
 
     /// Rays traced since the wave was made, shadow rays included.

@@ -104,6 +104,32 @@ fn sky(
     map.map(|m| Distant::Map(Box::new(m)))
 }
 
+impl SunSky {
+    /// Irradiance times `scale` that the sky causes on level ground, and the sun on a surface that faces it; black below
+    /// the horizon.
+    pub fn irradiance(&self, scale: f32) -> Rgb {
+        /// Rows of the sky: it is to tell how bright a picture will be.
+        const ROWS: u32 = 32;
+        let lights = distant(self, scale, &Affine3A::IDENTITY);
+        let upright = upright(self.z_up);
+        lights.iter().fold(Rgb::ZERO, |sum, light| match light {
+            Distant::Sun(sun) => sum + sun.radiance * sun.solid_angle(),
+            Distant::Parallel { irradiance, .. } => sum + *irradiance,
+            // Directions of the same share of the irradiance: sin^2 of the polar angle is uniform.
+            light => {
+                let directions = (0..ROWS * ROWS).map(|i| {
+                    let sin2 = ((i / ROWS) as f32 + 0.5) / ROWS as f32;
+                    let phi = ((i % ROWS) as f32 + 0.5) / ROWS as f32 * TAU;
+                    let (sin, cos) = (sin2.sqrt(), (1.0 - sin2).sqrt());
+                    upright * Vec3::new(phi.sin() * sin, cos, -phi.cos() * sin)
+                });
+                let radiance: Rgb = directions.map(|dir| light.radiance(dir)).sum();
+                sum + radiance * (PI / (ROWS * ROWS) as f32)
+            }
+        })
+    }
+}
+
 /// The sun's disk; its power is the same whatever its radius. A radius of 0 makes parallel light.
 fn sun_disk(
     settings: &SunSky,

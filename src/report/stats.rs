@@ -103,27 +103,29 @@ impl Stats {
     pub fn sentence(&self) -> String {
         let why = match self.stopped_by {
             "time" => "the time is up",
-            "noise" => "the image is clean enough",
+            "noise" => "clean enough",
             "interrupt" => "interrupted",
             _ => "all samples are taken",
         };
         let noise = self
             .noise
             .map_or(String::new(), |n| format!(", noise {n:.4}"));
-        let error = self.errors.last().map_or(String::new(), |e| {
-            format!(
-                ", RMSE {}, relMSE {} ({} trimmed)",
-                number(e.rmse),
-                number(e.relmse),
-                number(e.relmse_trimmed)
-            )
-        });
         format!(
-            "{why}: {} spp in {}{noise}{error}, {} samples/s, {} rays/s",
+            "{why}: {} spp in {}{noise}, {} samples/s",
             self.spp,
             words::time(self.render_seconds),
             words::count(self.samples_per_second),
-            words::count(self.rays_per_second)
         )
+    }
+
+    /// How far the image is from the reference, if there is one, in another.
+    pub fn error_sentence(&self) -> Option<String> {
+        let error = self.errors.last()?;
+        Some(format!(
+            "against the reference: RMSE {}, relMSE {} ({} trimmed)",
+            number(error.rmse),
+            number(error.relmse),
+            number(error.relmse_trimmed)
+        ))
     }
 }

@@ -3,6 +3,7 @@
 mod benching;
 mod checkpoints;
 mod comparing;
+mod endless;
 mod errors;
 mod farming;
 mod fields;
@@ -19,3 +20,6 @@ mod stopping;
 mod support;
 mod sweeping;
 mod table1;
+mod targets;
+mod terminal;
+mod words;

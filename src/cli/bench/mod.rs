@@ -9,7 +9,7 @@ use self::rays::{Kind, RaySets};
 use self::subject::Subject;
 use super::args::Accel;
 use super::measure_args::{Bench, BenchAccelArgs, Quality};
-use super::{Failure, console, output, threads};
+use super::{Failure, console, output, targets, threads};
 use crate::accel::{self, Backend, BuildQuality, BuildSettings, Hit, Ray, RayQuery};
 use crate::report::accel::{AccelBench, Misses, Rates, Tracer};
 use rayon::prelude::*;
@@ -33,7 +33,7 @@ const BATCH: usize = 4096;
 /// Builds and traces with every configuration, prints the table.
 fn accel(args: &BenchAccelArgs) -> Result<(), Failure> {
     if let Some(path) = &args.json {
-        output::try_directory(path)?;
+        targets::try_target(path)?;
     }
     let subject = Subject::load(&args.scene)?;
     let sets = RaySets::of(&subject, args.rays)?;

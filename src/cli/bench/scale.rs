@@ -13,7 +13,8 @@ use crate::cli::args::AccelBuild;
 use crate::cli::budget::{self, Load};
 use crate::cli::load::Input;
 use crate::cli::measure_args::BenchScaleArgs;
-use crate::cli::{Failure, console, load, make, memory, output, threads};
+use crate::cli::{Failure, console, load, make, memory, output, targets, threads};
+use crate::image::passing::Passing;
 use crate::make::{Pattern, write_ply};
 use crate::report::scale::{ScaleBench, SizeRow, TracerRow};
 use crate::report::scale_plot;
@@ -36,13 +37,13 @@ const REPEAT_SECONDS: f64 = 0.2;
 /// When a directory cannot be written to, or memory does not suffice.
 pub fn run(args: &BenchScaleArgs) -> Result<(), Failure> {
     for path in [&args.json, &args.svg].into_iter().flatten() {
-        output::try_directory(path)?;
+        targets::try_target(path)?;
     }
-    let directory = match &args.directory {
+    let make = || match &args.directory {
         Some(path) => tempfile::tempdir_in(path),
         None => tempfile::tempdir(),
     };
-    let directory = directory.map_err(|e| {
+    let (directory, _passing) = Passing::make(make).map_err(|e| {
         Failure::refused(
             format!("no directory can be made for the meshes: {e}"),
             "--directory names one with room for 20 bytes a triangle",

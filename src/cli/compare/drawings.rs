@@ -1,6 +1,6 @@
 //! Errors drawn: a directory of pictures, or all of them on one sheet.
 
-use crate::cli::{Failure, output};
+use crate::cli::{Failure, output, targets};
 use crate::image::metrics::{Pair, views};
 use crate::image::{self, Format, Image, WriteOptions, curve::srgb_to_linear};
 use crate::math::Rgb;
@@ -33,7 +33,7 @@ impl Drawings {
             path.join("drawing.png")
         };
         output::check_compiled(&probe)?;
-        output::try_directory(&probe)?;
+        targets::try_target(&probe)?;
         Ok(Self {
             path: path.to_owned(),
             sheet: is_sheet.then(Image::default),

@@ -4,7 +4,7 @@ mod drawings;
 
 use self::drawings::Drawings;
 use super::measure_args::{CompareArgs, LimitArgs};
-use super::{Failure, console, output};
+use super::{Failure, console, output, targets};
 use crate::image::file::ImageFile;
 use crate::image::metrics::blocks::KnownNoise;
 use crate::image::metrics::{Pair, errors, fireflies, flip, ssim, ztest};
@@ -19,8 +19,9 @@ use std::path::Path;
 pub fn run(args: &CompareArgs) -> Result<(), Failure> {
     let mut drawings = args.output.as_deref().map(Drawings::plan).transpose()?;
     if let Some(path) = &args.json {
-        output::try_directory(path)?;
+        targets::try_target(path)?;
     }
+    check_files(args)?;
     let reference = image::read_linear(&args.reference)?;
     let mut report = Comparison {
         version: env!("CARGO_PKG_VERSION").into(),
@@ -57,6 +58,20 @@ pub fn run(args: &CompareArgs) -> Result<(), Failure> {
         return Ok(());
     }
     Err(Failure::Passed(report.passed.join("\nerror: ")))
+}
+
+/// Refuses files that would replace each other, or what is compared.
+fn check_files(args: &CompareArgs) -> Result<(), Failure> {
+    let written = targets::named(&[
+        ("--json", args.json.as_deref()),
+        ("-o", args.output.as_deref()),
+    ]);
+    let images = args.images.iter();
+    let mut read: Vec<_> = images
+        .map(|path| ("one of the images", path.as_path()))
+        .collect();
+    read.push(("the reference", &args.reference));
+    targets::check_distinct(&written, &read)
 }
 
 /// Pictures of integers are made for a screen; floats are high dynamic range.

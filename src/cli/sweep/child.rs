@@ -21,6 +21,8 @@ const GRACE: Duration = Duration::from_secs(5);
 pub enum Outcome {
     /// It measured.
     Measured(Box<RunStats>),
+    /// It did not end in its time, and was ended.
+    TooLate,
     /// It ended without, and why.
     Failed(String),
     /// The user wants an end: it was ended, too.
@@ -52,10 +54,7 @@ pub fn run(words: &[String], stats: &Path, longest: Duration, interrupt: &Interr
     let messages = messages.and_then(|m| m.join().ok()).unwrap_or_default();
     let status = match ended {
         Ended::Itself(status) => status,
-        Ended::TooLate => {
-            let seconds = longest.as_secs();
-            return Outcome::Failed(format!("it did not end within {seconds} s"));
-        }
+        Ended::TooLate => return Outcome::TooLate,
         Ended::Interrupted => return Outcome::Interrupted,
     };
     // The terminal's Ctrl-C reaches the run as well, and perhaps before us.

@@ -8,18 +8,22 @@
 mod child;
 mod machine;
 mod plan;
+mod runs;
 mod state;
 
 use self::child::Outcome;
 use self::plan::SceneTraits;
+use self::runs::{Ended, go_through};
+use super::console::Console;
 use super::interrupt::Interrupt;
 use super::load::Input;
 use super::sweep_args::{ClockBy, SweepArgs};
-use super::{Failure, console, load, output};
+use super::waiting::Waiting;
+use super::{Failure, console, load, output, targets};
 use crate::image::Image;
 use crate::report::sweep::analysis::Findings;
 use crate::report::sweep::pictures::Pictures;
-use crate::report::sweep::{Clock, Configuration, Reference, Run, Setting, Sweep};
+use crate::report::sweep::{Clock, Configuration, Reference, Setting, Sweep};
 use crate::report::words;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -30,6 +34,9 @@ const SEEDS: u64 = 1000;
 const LEARNING: f64 = 3.0;
 /// The shortest run: below it starting the program is all there is to measure.
 const SHORTEST: f64 = 0.1;
+
+/// Who looks on, and who may end it.
+pub type Watch<'a> = (&'a Console, &'a Interrupt);
 
 /// What a sweep is about, beside its runs.
 struct Subject {
@@ -44,9 +51,8 @@ struct Subject {
 ///
 /// # Errors
 /// When scene, reference or plan cannot be used, the report cannot be written, or after an interrupt.
-pub fn run(args: &SweepArgs, threads: Option<u16>) -> Result<(), Failure> {
+pub fn run(args: &SweepArgs, threads: Option<u16>, watch: Watch) -> Result<(), Failure> {
     let start = Instant::now();
-    let interrupt = Interrupt::listen(false)?;
     let subject = Subject::load(args)?;
     let configurations = match &args.plan {
         Some(path) => plan::read(path)?,
@@ -78,15 +84,15 @@ pub fn run(args: &SweepArgs, threads: Option<u16>) -> Result<(), Failure> {
             help,
         )
     })?;
-    output::try_directory(&args.output.join("index.html"))?;
-    interrupt.be_patient();
+    targets::try_target(&args.output.join("index.html"))?;
+    watch.1.be_patient();
     let mut sweep = match state::read(&args.output, &setting)? {
         Some(sweep) => sweep,
-        None => begin(setting, args, &interrupt)?,
+        None => begin(setting, args, watch)?,
     };
     sweep.command = child::typed(&std::env::args().skip(1).collect::<Vec<_>>());
     sweep.machine = machine::ask();
-    let ended = go_through(&mut sweep, args, &interrupt, start + args.budget)?;
+    let ended = go_through(&mut sweep, args, watch, start)?;
     write_page(&sweep, args, &subject)?;
     match ended {
         Ended::Complete => Ok(()),
@@ -172,17 +178,30 @@ fn common_words(args: &SweepArgs, subject: &Subject, threads: Option<u16>) -> Ve
 
 /// Tries the first configuration for a moment, which says early what is wrong and brings all files into
 /// memory, and decides how long runs may take.
-fn begin(mut setting: Setting, args: &SweepArgs, interrupt: &Interrupt) -> Result<Sweep, Failure> {
+fn begin(mut setting: Setting, args: &SweepArgs, watch: Watch) -> Result<Sweep, Failure> {
     let (moment, first) = (SHORTEST, &setting.configurations[0]);
     let stats = file(args, first, "json");
     let mut words = words_of(&setting, args, first, 0);
     words.retain(|w| !w.starts_with("--time="));
     words.push(format!("--time={moment}"));
     let start = Instant::now();
-    let longest = Duration::from_secs(3600);
-    let rendered = match child::run(&words, &stats, longest, interrupt) {
+    let longest = args.budget.max(Duration::from_secs(60));
+    let waiting = Waiting::start(watch.0, |seconds| {
+        format!("trying the first configuration, {}", words::time(seconds))
+    });
+    let ended = child::run(&words, &stats, longest, watch.1);
+    drop(waiting);
+    let rendered = match ended {
         Outcome::Measured(stats) => stats.render_seconds,
         Outcome::Interrupted => return Err(Failure::Interrupted),
+        Outcome::TooLate => {
+            let seconds = longest.as_secs();
+            let message = format!(
+                "the first run did not end within {seconds} s\n  it was: {}",
+                child::typed(&words)
+            );
+            return Err(Failure::Wrong(message));
+        }
         Outcome::Failed(why) => {
             let message = format!(
                 "the first run failed: {why}\n  it was: {}",
@@ -223,77 +242,6 @@ fn seconds_each(setting: &Setting, budget: f64, (overhead, learning): (f64, f64)
     }
     // Rounded, for it stands in every command.
     (seconds * 100.0).ceil() / 100.0
-}
-
-/// Why no more runs are made.
-enum Ended {
-    Complete,
-    BudgetSpent,
-    Interrupted,
-}
-
-/// Makes the runs that are missing.
-fn go_through(
-    sweep: &mut Sweep,
-    args: &SweepArgs,
-    interrupt: &Interrupt,
-    deadline: Instant,
-) -> Result<Ended, Failure> {
-    let setting = sweep.setting.clone();
-    let total = setting.configurations.len() * setting.rounds as usize;
-    let (count, each) = (setting.configurations.len(), words::time(setting.seconds));
-    tracing::info!(
-        "{count} configurations, {} rounds, {each} each: {} of {total} runs are there",
-        setting.rounds,
-        sweep.runs.len()
-    );
-    let longest = Duration::from_secs_f64(60.0 + 10.0 * setting.seconds);
-    let mut made = 0;
-    for round in 0..setting.rounds {
-        for configuration in order(&setting.configurations, round) {
-            if sweep.has(&configuration.name, round) {
-                continue;
-            }
-            let runs_out = Instant::now() + Duration::from_secs_f64(setting.seconds) > deadline;
-            // One run at least, so that every start gets further.
-            if runs_out && made > 0 {
-                return Ok(Ended::BudgetSpent);
-            }
-            let words = words_of(&setting, args, configuration, round);
-            let start = Instant::now();
-            let stats = file(args, configuration, "json");
-            let (stats, failure) = match child::run(&words, &stats, longest, interrupt) {
-                Outcome::Interrupted => return Ok(Ended::Interrupted),
-                Outcome::Measured(stats) => (Some(*stats), None),
-                Outcome::Failed(why) => {
-                    tracing::warn!("{}: {why}", configuration.name);
-                    (None, Some(why))
-                }
-            };
-            made += 1;
-            sweep.runs.push(Run {
-                configuration: configuration.name.clone(),
-                round,
-                command: child::typed(&words),
-                failure,
-                wall_seconds: start.elapsed().as_secs_f64(),
-                stats,
-            });
-            state::write(&args.output, sweep)?;
-            say(sweep, total);
-        }
-    }
-    Ok(Ended::Complete)
-}
-
-fn say(sweep: &Sweep, total: usize) {
-    let Some(run) = sweep.runs.last() else { return };
-    let error = run.stats.as_ref().and_then(|s| s.errors.last());
-    let error = error.map_or("no measurement".into(), |e| {
-        format!("relMSE {}", crate::report::table::number(e.relmse_trimmed))
-    });
-    let (done, name, round) = (sweep.runs.len(), &run.configuration, run.round + 1);
-    tracing::info!("{done}/{total}  {name}, round {round}: {error}");
 }
 
 /// The configurations of a round. The first stays first; the others begin elsewhere each time, and go

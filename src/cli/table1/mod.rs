@@ -12,7 +12,7 @@ mod subject;
 
 use self::args::{Method, Table1Args};
 use self::subject::{Run, Subject};
-use super::{Failure, console, output, threads};
+use super::{Failure, console, output, targets, threads};
 use crate::image::metrics::{Pair, errors::Errors, ssim};
 use crate::image::{self, Image, WriteOptions};
 use crate::report::table1::{Row, SceneTable, Table1};
@@ -30,7 +30,7 @@ const INSTALLED: &str = "/usr/share/twintree";
 pub fn run(args: &Table1Args) -> Result<(), Failure> {
     let scenes = scenes(args)?;
     if let Some(path) = &args.json {
-        output::try_directory(path)?;
+        targets::try_target(path)?;
     }
     if let Some(directory) = &args.output {
         std::fs::create_dir_all(directory)

@@ -34,7 +34,7 @@ pub fn rendered(args: &Table1Args, subject: &Subject) -> Result<(Image, PathBuf)
         tracing::info!("the reference is {}", path.display());
         return Ok((image::read_linear(&path)?, path));
     }
-    crate::cli::output::try_directory(&path)?;
+    crate::cli::targets::try_target(&path)?;
     let start = Instant::now();
     tracing::info!("rendering a reference of {spp} samples a pixel");
     let settings = subject.settings(subject.seed() ^ APART);

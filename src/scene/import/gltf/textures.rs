@@ -6,6 +6,7 @@
 use super::schema::TextureInfo;
 use super::{Importer, error};
 use crate::image::file::ImageFile;
+use crate::image::passing::Passing;
 use crate::image::{self, Compression, Image, WriteOptions};
 use crate::math::Rgb;
 use crate::scene::import::{ImportError, named};
@@ -22,7 +23,7 @@ use tempfile::TempDir;
 pub(super) struct Images {
     opened: HashMap<usize, Opened>,
     /// Where images inside the glTF file are unpacked.
-    folder: Option<TempDir>,
+    folder: Option<(TempDir, Passing)>,
 }
 
 #[derive(Debug)]
@@ -289,9 +290,9 @@ impl Images {
     fn folder(&mut self) -> std::io::Result<PathBuf> {
         let folder = match self.folder.take() {
             Some(folder) => folder,
-            None => tempfile::Builder::new().prefix("twintree-").tempdir()?,
+            None => Passing::make(|| tempfile::Builder::new().prefix("twintree-").tempdir())?,
         };
-        Ok(self.folder.insert(folder).path().to_owned())
+        Ok(self.folder.insert(folder).0.path().to_owned())
     }
 }
 

@@ -180,7 +180,9 @@ impl<'a> Params<'a> {
             return v;
         }
         let (low, high) = (range.start(), range.end());
-        let message = if *high >= f64::from(f32::MAX) {
+        let message = if v > *high && *high >= f64::from(f32::MAX) {
+            format!("\"{name}\" is {v}; it must be at most {high:e}")
+        } else if *high >= f64::from(f32::MAX) {
             format!("\"{name}\" is {v}; it must be at least {low}")
         } else {
             format!("\"{name}\" is {v}; it must be between {low} and {high}")
@@ -226,7 +228,10 @@ impl<'a> Params<'a> {
                 default
             }
             _ => {
-                self.refuse(name, format!("\"{name}\" is {v}; that is too much"));
+                self.refuse(
+                    name,
+                    format!("\"{name}\" is {v}; it must be at most {}", u32::MAX),
+                );
                 default
             }
         }

@@ -21,9 +21,11 @@ const KEY_RADIUS: f32 = 1.6;
 /// Where the key light is: to the left of the camera, and above the ground, degrees.
 const KEY_AZIMUTH: f64 = -40.0;
 const KEY_ELEVATION: f64 = 45.0;
-/// Radiance of the sky in the sky model's units becomes that of the studio: a white wall in the sun is
-/// about white.
+/// Radiance of the sky in the sky model's units becomes that of the studio. How bright the sun is depends on where it
+/// stands: [`Studio::exposure`] makes up for that.
 const SUN_SKY_SCALE: f32 = 0.04;
+/// What a white wall that faces the sun becomes in a picture.
+const WHITE: f32 = 0.9;
 
 impl Studio {
     pub(super) fn add_light(&self, parts: &mut Parts, camera: &CameraDescription, bounds: Bounds) {
@@ -56,6 +58,23 @@ impl Studio {
                 self.add_key(parts, camera, bounds);
             }
         }
+    }
+
+    /// Exposure of pictures, in stops: under a sun, that at which a white wall in it is about white.
+    pub fn exposure(&self) -> f32 {
+        let Some(Sky::Sun { azimuth, elevation }) = &self.sky else {
+            return 0.0;
+        };
+        let Emitter::SunSky {
+            settings, scale, ..
+        } = self.sun(*azimuth, *elevation)
+        else {
+            return 0.0;
+        };
+        let wall = settings.irradiance(scale).element_sum() / (3.0 * PI);
+        // In tenths, for it is said in words.
+        let stops = (10.0 * (WHITE / wall).log2()).round() / 10.0;
+        if stops.is_finite() { stops } else { 0.0 }
     }
 
     /// From a world with +y up to the studio's.

@@ -83,7 +83,10 @@ impl Studio {
             materials: parts.materials,
             emitters: parts.emitters,
             camera: shot.camera,
-            film: film(shot.aspect),
+            film: FilmDescription {
+                exposure: self.exposure(),
+                ..film(shot.aspect)
+            },
             render: RenderDescription::default(),
             origin: DVec3::ZERO,
             warnings: parts.warnings,

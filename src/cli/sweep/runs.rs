@@ -1,0 +1,146 @@
+//! The runs of a sweep, one after the other, within its budget.
+
+use super::child::{self, Outcome};
+use super::{Watch, file, order, state, words_of};
+use crate::cli::Failure;
+use crate::cli::sweep_args::SweepArgs;
+use crate::cli::waiting::Waiting;
+use crate::report::sweep::{Configuration, Run, Sweep};
+use crate::report::words;
+use std::time::{Duration, Instant};
+
+/// A run that takes so many times what was to be expected, and [`HANGING`] more, hangs.
+const HANGS: f64 = 3.0;
+const HANGING: f64 = 20.0;
+/// A budget may be passed by this much of it, so that a run that has begun can end.
+const OVER_BUDGET: f64 = 0.05;
+
+/// Why no more runs are made.
+pub enum Ended {
+    /// All are there.
+    Complete,
+    /// There is no time for another.
+    BudgetSpent,
+    /// The user wants an end.
+    Interrupted,
+}
+
+/// Makes the runs that are missing, in a budget that began at `start`.
+///
+/// # Errors
+/// When the report cannot be written.
+pub fn go_through(
+    sweep: &mut Sweep,
+    args: &SweepArgs,
+    watch: Watch,
+    start: Instant,
+) -> Result<Ended, Failure> {
+    let setting = sweep.setting.clone();
+    let total = total(sweep);
+    let (count, each) = (setting.configurations.len(), words::time(setting.seconds));
+    tracing::info!(
+        "{count} configurations, {} rounds, {each} each: {} of {total} runs are there",
+        setting.rounds,
+        sweep.runs.len()
+    );
+    let mut made = 0;
+    for round in 0..setting.rounds {
+        for configuration in order(&setting.configurations, round) {
+            if sweep.has(&configuration.name, round) {
+                continue;
+            }
+            let left = args.budget.saturating_sub(start.elapsed());
+            // One run at least, so that every start gets further.
+            let may_end = made > 0;
+            if may_end && expected(sweep, configuration) > left.as_secs_f64() {
+                return Ok(Ended::BudgetSpent);
+            }
+            let hangs = HANGING + HANGS * expected(sweep, configuration);
+            let longest = match may_end {
+                true => hangs.min(left.as_secs_f64() + OVER_BUDGET * args.budget.as_secs_f64()),
+                false => hangs,
+            };
+            let (outcome, run) = make(sweep, args, watch, (configuration, round), longest);
+            match outcome {
+                Outcome::Interrupted => return Ok(Ended::Interrupted),
+                // It was the budget that ended it: the next go tries it again.
+                Outcome::TooLate if longest < hangs => return Ok(Ended::BudgetSpent),
+                _ => {}
+            }
+            made += 1;
+            sweep.runs.push(run);
+            state::write(&args.output, sweep)?;
+            say(sweep, total);
+        }
+    }
+    Ok(Ended::Complete)
+}
+
+/// Makes one run, which is ended after `longest` seconds. What came of it, and its entry in the report.
+fn make(
+    sweep: &Sweep,
+    args: &SweepArgs,
+    (console, interrupt): Watch,
+    (configuration, round): (&Configuration, u32),
+    longest: f64,
+) -> (Outcome, Run) {
+    let words = words_of(&sweep.setting, args, configuration, round);
+    let stats = file(args, configuration, "json");
+    let (name, number) = (configuration.name.clone(), sweep.runs.len() + 1);
+    let total = total(sweep);
+    let start = Instant::now();
+    let waiting = Waiting::start(console, move |seconds| {
+        let (round, time) = (round + 1, words::time(seconds));
+        format!("{number}/{total}  {name}, round {round}, runs: {time}")
+    });
+    let limit = Duration::from_secs_f64(longest);
+    let outcome = child::run(&words, &stats, limit, interrupt);
+    drop(waiting);
+    let (stats, failure) = match &outcome {
+        Outcome::Measured(stats) => (Some((**stats).clone()), None),
+        Outcome::TooLate => (None, Some(format!("it did not end within {longest:.0} s"))),
+        Outcome::Failed(why) => (None, Some(why.clone())),
+        Outcome::Interrupted => (None, None),
+    };
+    if let Some(why) = &failure {
+        tracing::warn!("{}: {why}", configuration.name);
+    }
+    let run = Run {
+        configuration: configuration.name.clone(),
+        round,
+        command: child::typed(&words),
+        failure,
+        wall_seconds: start.elapsed().as_secs_f64(),
+        stats,
+    };
+    (outcome, run)
+}
+
+/// Runs of the whole plan.
+fn total(sweep: &Sweep) -> usize {
+    sweep.setting.configurations.len() * sweep.setting.rounds as usize
+}
+
+/// Seconds that a run will take: what the configuration took before, or else what the others did.
+fn expected(sweep: &Sweep, configuration: &Configuration) -> f64 {
+    let ended = || sweep.runs.iter().filter(|run| run.stats.is_some());
+    let own = ended().filter(|run| run.configuration == configuration.name);
+    let own = own.map(|run| run.wall_seconds).reduce(f64::max);
+    let (count, sum) = ended().fold((0, 0.0), |(n, sum), run| (n + 1, sum + run.wall_seconds));
+    let others = if count > 0 {
+        sum / f64::from(count)
+    } else {
+        0.0
+    };
+    own.unwrap_or(others).max(sweep.setting.seconds)
+}
+
+fn say(sweep: &Sweep, total: usize) {
+    let Some(run) = sweep.runs.last() else { return };
+    let error = run.stats.as_ref().and_then(|s| s.errors.last());
+    let error = error.map_or("no measurement".into(), |e| {
+        format!("relMSE {}", crate::report::table::number(e.relmse_trimmed))
+    });
+    let (done, name, round) = (sweep.runs.len(), &run.configuration, run.round + 1);
+    tracing::info!("{done}/{total}  {name}, round {round}: {error}");
+}
