@@ -92,15 +92,6 @@ impl Path {
     pub fn set_out(&mut self, walk: &Walk) {
         self.lots = lots::from_camera(walk.guide.is_some());
     }
-
-    /// From here on it stands for `count` paths. Its worth beside what its sample is expected to come to stays, so
-    /// that nobody splits it for that.
-    #[inline]
-    pub fn stand_for(&mut self, count: f32) {
-        self.throughput *= count;
-        self.expected *= count;
-        self.aimed_with *= count;
-    }
 }
 
 /// What the camera sees first along a sample: for the AOVs.
