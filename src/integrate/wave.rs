@@ -165,7 +165,7 @@ impl Wave {
     /// Traces all samples to their ends, watched by `witness` (`&mut ()` for nobody). The samples' outcomes
     /// come first, in order; behind them those of ways that split off, which the samples' include.
     pub fn trace(&mut self, walk: &Walk, witness: &mut impl Witness) -> &[Outcome] {
-        self.run(walk, witness, &mut Pool::new(1));
+        self.run(walk, witness, &mut Pool::new(1, 0));
         self.forks.settle(&mut self.outcomes);
         &self.outcomes
     }
@@ -180,7 +180,8 @@ impl Wave {
     ) -> Outcomes<'_> {
         let before = self.rays_traced;
         let guided = walk.guide.is_some();
-        let mut pool = Pool::new(if guided { walk.settings.reuse } else { 1 });
+        let most = if guided { walk.settings.reuse } else { 1 };
+        let mut pool = Pool::new(most, self.paths.len());
         self.run(walk, witness, &mut pool);
         if pool.is_open() {
             self.shared.clone_from(&self.outcomes);

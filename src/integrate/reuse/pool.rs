@@ -28,11 +28,14 @@ pub enum Admission {
 }
 
 impl<'s> Pool<'s> {
-    /// A pool for groups of up to `most` stems; with 1 it collects nothing.
-    pub fn new(most: u32) -> Self {
+    /// A pool for groups of up to `most` stems of a wave of so many samples; with 1 it collects
+    /// nothing.
+    pub fn new(most: u32, samples: usize) -> Self {
+        let stems = if most > 1 { samples } else { 0 };
         Self {
             most: most as usize,
-            stems: Vec::new(),
+            // Stems are large: they are not to be moved as they become more.
+            stems: Vec::with_capacity(stems),
         }
     }
 
