@@ -223,7 +223,7 @@ fn aiming_lowers_the_noise_and_is_the_same_for_any_number_of_threads() {
     };
     let aimed = image(2, 0.5);
     assert!(aimed == image(1, 0.5), "threads change the image");
-    let variance = |film: &Film| f64::from(film.noise().expect("enough samples")).powi(2);
+    let variance = |film: &Film| f64::from(film.noise().expect("enough samples").value).powi(2);
     let (without, with) = (variance(&image(2, 0.0)), variance(&aimed));
     println!("relative variance {without:.5}, aimed {with:.5}");
     // 0.66 when this was written: the rest of the noise is made by other light.

@@ -95,7 +95,7 @@ pub fn trace_sample(view: &View, [x, y]: [u32; 2], path: PathNumber) -> Traced {
                 outcome,
                 forks: &mut forks,
                 stations: &mut stations,
-                pool: &mut Pool::new(1),
+                pool: &mut Pool::new(1, 0),
                 witness: &mut (),
             };
             let next = step(view, &ray, &mut path, watched, &mut steps);

@@ -9,7 +9,6 @@ use super::guiding::Guide;
 use super::learn::Learner;
 use super::record::{Lessons, Records};
 use super::render::{Job, Limits, PASS_SPP, Progress};
-use super::reuse;
 use super::start::Iteration;
 use super::trial::{self, trial};
 use super::vertex::Walk;
@@ -115,9 +114,7 @@ fn pass(
     (guide, stride): (&Guide, u32),
     told: &mut Told,
 ) -> bool {
-    let settings = reuse::while_teaching(job.view.settings);
     let walk = Walk {
-        settings: &settings,
         guide: Some(guide.into()),
         ..job.view.walk()
     };

@@ -141,7 +141,7 @@ fn simplify(walk: &Walk, bsdf: &mut Bsdf, wo: Vec3, path: &Path) -> f32 {
     if walk.guide.is_none() || path.stage == Stage::Fresh {
         return 1.0;
     }
-    // A number beside the path's own, and not the one by which a pool admits it.
+    // A number beside the path's own.
     let u = || path.sampler.fork(1).next4()[0];
     bsdf.choose_part(wo, u).unwrap_or(1.0)
 }
@@ -169,10 +169,8 @@ fn scatter<'s, const GUIDED: bool>(
     let (mut guided, mut apart) = (None, None);
     if GUIDED {
         let part = simplify(walk, bsdf, wo, path);
-        match pool.arrive(path, point, bsdf, wo, forks) {
-            Admission::Alone => {}
-            Admission::Shares => so_far = Rgb::ZERO,
-            Admission::Ended => return Next::END,
+        if pool.arrive(path, point, bsdf, wo, forks) == Admission::Shares {
+            so_far = Rgb::ZERO;
         }
         // What is shared is what was found by this lot: it comes after the account was opened.
         path.throughput *= part;

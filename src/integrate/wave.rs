@@ -97,15 +97,6 @@ impl Path {
     pub fn set_out(&mut self, walk: &Walk) {
         self.lots = lots::from_camera(walk.guide.is_some());
     }
-
-    /// From here on it stands for `count` paths. Its worth beside what its sample is expected to come to stays, so
-    /// that nobody splits it for that.
-    #[inline]
-    pub fn stand_for(&mut self, count: f32) {
-        self.throughput *= count;
-        self.expected *= count;
-        self.aimed_with *= count;
-    }
 }
 
 /// What the camera sees first along a sample: for the AOVs.
@@ -179,7 +170,7 @@ impl Wave {
     /// Traces all samples to their ends, watched by `witness` (`&mut ()` for nobody). The samples' outcomes
     /// come first, in order; behind them those of ways that split off, which the samples' include.
     pub fn trace(&mut self, walk: &Walk, witness: &mut impl Witness) -> &[Outcome] {
-        self.run(walk, witness, &mut Pool::new(1), &|_| false);
+        self.run(walk, witness, &mut Pool::new(1, 0), &|_| false);
         self.forks.settle(&mut self.outcomes);
         &self.outcomes
     }
@@ -212,7 +203,8 @@ impl Wave {
     ) -> Option<Outcomes<'_>> {
         let before = self.rays_traced;
         let guided = walk.guide.is_some();
-        let mut pool = Pool::new(if guided { walk.settings.reuse } else { 1 });
+        let most = if guided { walk.settings.reuse } else { 1 };
+        let mut pool = Pool::new(most, self.paths.len());
         if !self.run(walk, witness, &mut pool, gives_up) {
             return None;
         }

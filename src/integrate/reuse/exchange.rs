@@ -25,7 +25,8 @@ pub(super) struct Gift {
 struct Link {
     /// The stem that did, and this one.
     stems: [u32; 2],
-    /// What the stem came with, times BSDF and cosine, relative to how the suffix's own stem sees its vertex.
+    /// What the stem came with, times BSDF and cosine, relative to how the suffix's own stem sees
+    /// its vertex.
     throughput: Rgb,
     /// Solid angle that a unit of area at the vertex takes.
     area: f64,
@@ -59,29 +60,41 @@ impl<'e, 's> Exchange<'e, 's> {
         }
     }
 
-    /// Shares the suffixes of a group of stems.
-    pub fn meet(&mut self, group: &[u32]) {
+    /// Shares the suffixes of a group of stems, whose accounts are complete. Those that brought no
+    /// light are passed over.
+    pub fn meet(&mut self, group: &[u32], outcomes: &[Outcome]) {
         self.links.clear();
         self.rays.clear();
         for &from in group {
             let Some(suffix) = &self.stems[from as usize].suffix else {
                 continue;
             };
+            if outcomes[suffix.slot as usize].radiance == Rgb::ZERO {
+                continue;
+            }
             let begin = (self.links.len(), self.rays.len());
             for &to in group {
                 self.link(suffix, [from, to]);
             }
-            // By rounding alone: a path that is not among those that could have found what it found keeps it.
+            // By rounding alone: a path that is not among those that could have found what it
+            // found keeps it.
             if !self.links[begin.0..].iter().any(Link::is_own) {
                 self.links.truncate(begin.0);
                 self.rays.truncate(begin.1);
+                self.gifts.push(Gift {
+                    slot: suffix.slot,
+                    sample: self.stems[from as usize].sample,
+                    is_own: true,
+                    weight: Rgb::ONE,
+                });
             }
         }
         self.look();
         self.give();
     }
 
-    /// Links a stem with a suffix, if it could have drawn its vertex and nothing is in between.
+    /// Links a stem with a suffix, if it could have drawn its vertex. (Whether something is in
+    /// between, [`Self::look`] asks for all links together.)
     fn link(&mut self, suffix: &Suffix, stems: [u32; 2]) {
         let stem = &self.stems[stems[1] as usize];
         let to = suffix.position - stem.position;
@@ -140,22 +153,19 @@ impl<'e, 's> Exchange<'e, 's> {
                 continue;
             };
             let density: f64 = links.iter().map(|link| link.density).sum();
-            for link in links {
-                let sample = self.stems[link.stems[1] as usize].sample;
-                let weight = link.throughput / suffix.throughput * (link.area / density) as f32;
-                self.gifts.push(Gift {
-                    slot: suffix.slot,
-                    sample,
-                    is_own: link.is_own(),
-                    weight,
-                });
-            }
+            self.gifts.extend(links.iter().map(|link| Gift {
+                slot: suffix.slot,
+                sample: self.stems[link.stems[1] as usize].sample,
+                is_own: link.is_own(),
+                weight: link.brings(density) / suffix.throughput,
+            }));
         }
     }
 }
 
 impl Gift {
-    /// Pays it out of the accounts. What is not finite is for its own sample alone: there it is found again.
+    /// Pays it out of the accounts. What is not finite is for its own sample alone: there it is
+    /// found again.
     pub fn pay(&self, outcomes: &mut [Outcome]) {
         let light = outcomes[self.slot as usize].radiance;
         if light.is_finite() || self.is_own {
@@ -165,6 +175,13 @@ impl Gift {
 }
 
 impl Link {
+    /// What the stem makes of a unit of light behind, where stems of this density together (its
+    /// own in it) could have drawn the vertex. With its own alone that is what it makes of what it
+    /// finds itself: no other path can bring it more.
+    fn brings(&self, density: f64) -> Rgb {
+        self.throughput * (self.area / density) as f32
+    }
+
     /// Whether the stem drew the vertex itself.
     fn is_own(&self) -> bool {
         self.stems[0] == self.stems[1]
@@ -174,6 +191,27 @@ impl Link {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Stems whose densities for a vertex are as far apart as can be.
+    #[test]
+    fn no_stem_gets_more_of_a_vertex_than_if_it_had_drawn_it_itself() {
+        let links: Vec<Link> = (0..32)
+            .map(|i| Link {
+                stems: [7, i],
+                throughput: Rgb::new(1.0, 0.5, 2.0) * 10f32.powi(i as i32 % 5 - 2),
+                area: 0.3 * f64::from(1 + i % 3),
+                density: 10f64.powi(i as i32 % 7 - 3),
+            })
+            .collect();
+        let density: f64 = links.iter().map(|link| link.density).sum();
+        let mut shares = 0.0;
+        for link in &links {
+            let (shared, alone) = (link.brings(density), link.brings(link.density));
+            assert!(shared.cmple(alone).all(), "{shared} {alone}");
+            shares += f64::from(shared.x / alone.x);
+        }
+        assert!((shares - 1.0).abs() < 1e-5, "the weights come to {shares}");
+    }
 
     #[test]
     fn what_is_not_finite_is_kept_from_others() {

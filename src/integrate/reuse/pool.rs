@@ -2,7 +2,7 @@
 
 use super::exchange::Exchange;
 use super::stem::{Stem, Suffix};
-use super::{FOLLOWED, Origin, Stage};
+use super::{Origin, Stage};
 use crate::bsdf::Bsdf;
 use crate::integrate::forks::Forks;
 use crate::integrate::vertex::{Vertex, Walk};
@@ -15,8 +15,6 @@ use crate::texture::SurfacePoint;
 pub struct Pool<'s> {
     /// Most stems in a group.
     most: usize,
-    /// Chance of a suffix to be followed.
-    chance: f32,
     stems: Vec<Stem<'s>>,
 }
 
@@ -27,17 +25,17 @@ pub enum Admission {
     Alone,
     /// What it finds from here on is shared.
     Shares,
-    /// It ends: others of its group look for it.
-    Ended,
 }
 
 impl<'s> Pool<'s> {
-    /// A pool for groups of up to `most` stems; with 1 it collects nothing.
-    pub fn new(most: u32) -> Self {
+    /// A pool for groups of up to `most` stems of a wave of so many samples; with 1 it collects
+    /// nothing.
+    pub fn new(most: u32, samples: usize) -> Self {
+        let stems = if most > 1 { samples } else { 0 };
         Self {
             most: most as usize,
-            chance: (FOLLOWED / most as f32).min(1.0),
-            stems: Vec::new(),
+            // Stems are large: they are not to be moved as they become more.
+            stems: Vec::with_capacity(stems),
         }
     }
 
@@ -47,8 +45,8 @@ impl<'s> Pool<'s> {
         self.most > 1
     }
 
-    /// Keeps the stem of a path that is about to leave its first rough vertex, which a field guides. Returns its
-    /// number.
+    /// Keeps the stem of a path that is about to leave its first rough vertex, which a field
+    /// guides. Returns its number.
     pub(in crate::integrate) fn add_stem(
         &mut self,
         vertex: &Vertex<'_, 's>,
@@ -60,8 +58,8 @@ impl<'s> Pool<'s> {
         Some(self.stems.len() as u32 - 1)
     }
 
-    /// A path arrives at a vertex. If what is found there can be shared, it gets an account of its own, or is not
-    /// looked for, by lot.
+    /// A path arrives at a vertex. If what is found there can be shared, it gets an account of its
+    /// own.
     #[inline]
     pub fn arrive(
         &mut self,
@@ -79,19 +77,14 @@ impl<'s> Pool<'s> {
         let Some(mut suffix) = suffix else {
             return Admission::Alone;
         };
-        // A number beside the path's own: those who are followed go where they would have gone.
-        if self.chance < 1.0 && path.sampler.fork(0).next4()[0] >= self.chance {
-            return Admission::Ended;
-        }
         path.slot = forks.open(path.slot);
         suffix.slot = path.slot;
         self.stems[stem as usize].suffix = Some(suffix);
-        path.stand_for(self.chance.recip());
         Admission::Shares
     }
 
-    /// Settles the accounts of a wave so that what was found behind stems goes to all that could have found it.
-    /// Returns how many rays that took.
+    /// Settles the accounts of a wave so that what was found behind stems goes to all that could
+    /// have found it. Returns how many rays that took.
     pub fn settle(
         &self,
         walk: &Walk,
@@ -100,25 +93,26 @@ impl<'s> Pool<'s> {
         outcomes: &mut [Outcome],
     ) -> u64 {
         let mut exchange = Exchange::new(walk, &self.stems);
-        for group in self.groups(walk.settings.seed, origins) {
-            exchange.meet(&group);
-        }
-        for gift in &exchange.gifts {
-            forks.detach(gift.slot);
-        }
+        let suffixes = self.stems.iter().filter_map(|stem| stem.suffix.as_ref());
+        suffixes.for_each(|suffix| forks.detach(suffix.slot));
         forks.settle(outcomes);
+        for group in self.groups(walk.settings.seed, origins) {
+            exchange.meet(&group, outcomes);
+        }
         for gift in &exchange.gifts {
             gift.pay(outcomes);
         }
         exchange.rays_traced
     }
 
-    /// Stems of like samples in groups, all pixels mixed, so that what they have in common is spread.
+    /// Stems of like samples in groups, all pixels mixed, so that what they have in common is
+    /// spread.
     fn groups(&self, seed: u64, origins: &[Origin]) -> Vec<Vec<u32>> {
         let lots = self.stems.iter().zip(0..).map(|(stem, number)| {
             let Origin { pixel, round } = origins[stem.sample as usize];
             Lot {
-                // A path may be cut off at a depth: only stems of one depth stand for the same suffixes.
+                // A path may be cut off at a depth: only stems of one depth stand for the same
+                // suffixes.
                 kind: (round, stem.depth),
                 lot: hash_all([seed, round, u64::from(pixel)]),
                 number,

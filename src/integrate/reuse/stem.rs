@@ -7,15 +7,16 @@ use crate::integrate::wave::Path;
 use crate::math::{Rgb, Vec3};
 use crate::texture::SurfacePoint;
 
-/// A path takes part if its weakest channel carries this share of its strongest: what is found behind is divided by
-/// what the path came with, and where that is nothing it tells nothing.
+/// A path takes part if its weakest channel carries this share of its strongest: what is found
+/// behind is divided by what the path came with, and where that is nothing it tells nothing.
 pub(super) const LEAST_CHANNEL: f32 = 1.0 / 32.0;
 /// Nor does it if it has nearly underflown.
 const LEAST: f32 = 1e-20;
 /// Nor if it sees the vertex behind by so small a factor (see [`View`]).
 const LEAST_VIEW: f32 = 1.0 / 32.0;
 
-/// Whether a path with this throughput takes part that sees the vertex behind by the factor `view`.
+/// Whether a path with this throughput takes part that sees the vertex behind by the factor
+/// `view`.
 #[inline]
 pub(super) fn is_shareable(throughput: Rgb, view: f32) -> bool {
     let (least, most) = (throughput.min_element(), throughput.max_element());
@@ -98,7 +99,8 @@ impl Suffix {
         [self.wo, w].map(|w| self.view.factor(w))
     }
 
-    /// Whether a place in direction `w` is on the side that its own path came from: the other may look otherwise.
+    /// Whether a place in direction `w` is on the side that its own path came from: the other may
+    /// look otherwise.
     #[inline]
     pub fn faces(&self, w: Vec3) -> bool {
         self.normals.iter().all(|n| n.dot(w) * n.dot(self.wo) > 0.0)
