@@ -284,11 +284,8 @@ fn gradients_are_the_limits_of_differences() {
     const STEP: f32 = 1e-4;
     let dir = tempfile::tempdir().unwrap();
     let path = noise(dir.path(), "heights.exr", [7, 5], &["Y"], PixelType::Float);
-    let turned = glam::Affine2::from_scale_angle_translation(
-        Vec2::new(2.0, 0.5),
-        0.7,
-        Vec2::new(0.1, -0.3),
-    );
+    let turned =
+        glam::Affine2::from_scale_angle_translation(Vec2::new(2.0, 0.5), 0.7, Vec2::new(0.1, -0.3));
     let mut rng = Pcg32::new(5, 2);
     for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
         let image = opened(BitmapSettings {
