@@ -27,7 +27,7 @@ pub(super) struct Lookup<'a> {
 }
 
 /// Largest value of a colour: no surface reflects as much, and the models' products stay finite.
-const MOST: f32 = 1e4;
+pub(super) const MOST: f32 = 1e4;
 
 /// Indices of refraction that the equations bear without overflow.
 pub(super) fn sane_eta(eta: f32) -> f32 {

@@ -4,9 +4,10 @@
 //! and what is asked at a vertex is a handful of instructions.
 
 use super::lobes::diffuse::Diffuse;
+use super::lookup::MOST;
 use super::tree::Tree;
 use super::{Material, MaterialId, Materials};
-use crate::math::{Frame, Vec3};
+use crate::math::{Frame, Rgb, Vec3};
 use crate::texture::SurfacePoint;
 
 /// What a [`super::Bsdf`] consists of.
@@ -52,7 +53,7 @@ impl Materials {
         let Material::Diffuse { reflectance } = model else {
             return None;
         };
-        let reflectance = reflectance.eval(point);
+        let reflectance = reflectance.eval(point).min(Rgb::splat(MOST));
         Some((frame, Diffuse { reflectance }))
     }
 }
