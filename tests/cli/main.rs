@@ -13,6 +13,7 @@ mod losses;
 mod messages;
 mod models;
 mod outputs;
+mod scenes;
 mod shards;
 mod stopping;
 mod support;
