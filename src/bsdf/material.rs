@@ -28,8 +28,8 @@ pub struct Roughness {
     pub alpha_v: Texture,
 }
 
-/// What is done about normals that a map turns so far that light comes from behind them (Mitsuba 3's
-/// `flip_invalid_normals` and `use_shadowing_function`).
+/// What is done about normals that a map turns so far that light comes from behind them (Mitsuba
+/// 3's `flip_invalid_normals` and `use_shadowing_function`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Turning {
     /// A normal that faces away from the viewer is mirrored about the surface's own.

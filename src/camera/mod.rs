@@ -55,8 +55,8 @@ pub enum Projection {
     },
     /// Parallel rays; the film spans `[-1, 1]` in camera x.
     Orthographic,
-    /// All directions, latitude by longitude, as in an environment map (Mitsuba 0.x `spherical`): +y of the
-    /// camera is at the top, -z at the left and right edges.
+    /// All directions, latitude by longitude, as in an environment map (Mitsuba 0.x `spherical`):
+    /// +y of the camera is at the top, -z at the left and right edges.
     Spherical,
 }
 

@@ -143,3 +143,32 @@ fn a_thin_lens_is_sharp_at_its_focus() {
         assert!((focus(lens) - expected).length() < 1e-5);
     }
 }
+
+/// A spherical camera looks everywhere: its film is the sphere, and its cones cover it.
+#[test]
+fn a_spherical_film_is_the_whole_sphere() {
+    let mut camera = description(Projection::Spherical);
+    camera.to_world = DAffine3::from_axis_angle(DVec3::Y, 0.5) * camera.to_world;
+    let (width, height) = (200, 100);
+    let camera = Camera::new(&camera, width, height);
+    let at = |x: f32, y: f32| camera.ray(Vec2::new(x, y), Vec2::ZERO);
+    // Directions of Mitsuba 0.6's sensor: (sin phi sin theta, cos theta, -cos phi sin theta).
+    let turn = DAffine3::from_axis_angle(DVec3::Y, 0.5);
+    for (x, y, dir) in [
+        (50.0, 50.0, DVec3::X),
+        (150.0, 50.0, DVec3::NEG_X),
+        (100.0, 50.0, DVec3::Z),
+        (0.0, 50.0, DVec3::NEG_Z),
+        (73.0, 0.0, DVec3::Y),
+    ] {
+        let expected = turn.transform_vector3(dir).as_vec3();
+        assert!((at(x, y).ray.dir - expected).length() < 1e-6, "{x} {y}");
+    }
+    let mut solid_angle = 0.0;
+    for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+        let spread = f64::from(at(x as f32 + 0.5, y as f32 + 0.5).cone_spread);
+        solid_angle += spread * spread;
+    }
+    let whole = 4.0 * std::f64::consts::PI;
+    assert!((solid_angle / whole - 1.0).abs() < 1e-3, "{solid_angle}");
+}

@@ -4,7 +4,8 @@ use super::args::CheckArgs;
 use super::load::{self, Input};
 use super::{Failure, console};
 
-/// Loads the scene; its warnings are logged on the way, and so is what a render would say of its lights.
+/// Loads the scene; its warnings are logged on the way, and so is what a render would say of its
+/// lights.
 ///
 /// # Errors
 /// When the scene cannot be used.

@@ -26,13 +26,15 @@ pub struct SceneArgs {
         help_heading = "Scene"
     )]
     pub define: Vec<Definition>,
-    /// Put something plain in the place of what is not supported, with a warning, instead of giving up
+    /// Put something plain in the place of what is wrong or missing, with a warning, instead of
+    /// giving up
     #[arg(long, help_heading = "Scene")]
     pub lenient: bool,
     /// Memory for texels, such as 512M or 2G: what does not fit is read again when needed
     #[arg(long, value_name = "BYTES", default_value = "2G", value_parser = values::bytes, help_heading = "Machine")]
     pub texture_memory: usize,
-    /// Most that an image or mesh file may take when it is decoded; files that are a hundredth of it pass
+    /// Most memory for an image or mesh file once it is decoded; one that is itself a hundredth of
+    /// that passes
     #[arg(long, value_name = "BYTES", default_value = "1G", value_parser = values::bytes, help_heading = "Machine")]
     pub limit_decoded: usize,
     /// Keep textures of 32 bits in 16: half the memory, three digits

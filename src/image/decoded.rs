@@ -1,8 +1,8 @@
 //! How much a file may grow when it is decoded.
 //!
-//! Seventeen kilobytes of PNG can stand for gigabytes of pixels, and so can a deflated mesh. What is asked for is
-//! held against a limit before memory is taken for it. A file that is itself a hundredth of what comes
-//! out is no trap but only large, and passes.
+//! Seventeen kilobytes of PNG can stand for gigabytes of pixels, and so can a deflated mesh. What
+//! is asked for is held against a limit before memory is taken for it. A file that is itself a
+//! hundredth of what comes out is no trap but only large, and passes.
 
 /// The most that a file may take once it is decoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,8 +29,8 @@ impl DecodeLimit {
     /// Lets `what` pass, which takes `decoded` bytes and comes from a file of `file` bytes.
     ///
     /// # Errors
-    /// When that is too much: the reason, with the numbers and the option of the command line that lets it
-    /// pass.
+    /// When that is too much: the reason, with the numbers and the option of the command line that
+    /// lets it pass.
     pub fn check(self, what: &str, decoded: u64, file: u64) -> Result<(), String> {
         if decoded <= self.bytes.max(file.saturating_mul(FREE_GROWTH)) {
             return Ok(());

@@ -18,8 +18,8 @@ pub struct Level {
     pub height: u32,
 }
 
-/// Where the pixels of a file lie in the picture that they are a part of (OpenEXR's data window in its
-/// display window).
+/// Where the pixels of a file lie in the picture that they are a part of (OpenEXR's data window in
+/// its display window).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Window {
     /// Column and row of the picture at which the pixels begin; negative beyond its edges.

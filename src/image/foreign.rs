@@ -1,7 +1,7 @@
 //! Files that are something else than what they are taken for, by how they begin.
 //!
-//! A texture that git-lfs has not fetched, a page that says "404" under the name of a mesh, a scene of
-//! another program: each is named as what it is, with the way out.
+//! A texture that git-lfs has not fetched, a page that says "404" under the name of a mesh, a scene
+//! of another program: each is named as what it is, with the way out.
 
 use std::fs::File;
 use std::io::Read;
@@ -211,8 +211,8 @@ pub fn of_scene(path: &Path, head: &[u8]) -> Option<Foreign> {
     PBRT_WORDS.contains(&word).then_some(PBRT)
 }
 
-/// What the file at `path` is, if it is none that this program reads. A file that cannot be read is left
-/// to who reads it.
+/// What the file at `path` is, if it is none that this program reads. A file that cannot be read is
+/// left to who reads it.
 pub fn by_path(path: &Path) -> Option<Foreign> {
     // Opening a pipe waits for who writes into it.
     if !std::fs::metadata(path).is_ok_and(|m| m.is_file()) {

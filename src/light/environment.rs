@@ -113,8 +113,8 @@ impl EnvironmentImage {
         whole
     }
 
-    /// Leaves light only. What is infinite was too bright for the file, most often the sun in half floats: it
-    /// becomes the largest number that the file holds.
+    /// Leaves light only. What is infinite was too bright for the file, most often the sun in half
+    /// floats: it becomes the largest number that the file holds.
     fn clean(&mut self, halves: bool) {
         let finite = |m: f32, p: &Rgb| {
             let channels = p.to_array().into_iter().filter(|x| x.is_finite());

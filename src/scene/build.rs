@@ -64,8 +64,8 @@ impl Scene {
     }
 }
 
-/// The lights of a scene that is not built: for saying what is odd about them. Emitters move out of the
-/// description.
+/// The lights of a scene that is not built: for saying what is odd about them. Emitters move out of
+/// the description.
 pub fn lights_of(description: &mut Description) -> Lights {
     let materials = std::mem::take(&mut description.materials);
     let (emitters, glowing) = glowing_shapes(description, &materials);

@@ -298,8 +298,8 @@ impl Texture {
         }
     }
 
-    /// A number that no channel exceeds anywhere, and that one reaches where factors are positive. Nothing
-    /// is known of attributes of meshes.
+    /// A number that no channel exceeds anywhere, and that one reaches where factors are positive.
+    /// Nothing is known of attributes of meshes.
     pub fn largest(&self) -> Option<f32> {
         Some(match self {
             Texture::Constant(c) => c.max_element(),

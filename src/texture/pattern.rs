@@ -12,8 +12,8 @@ pub struct Checkerboard {
     pub color1: Texture,
     /// Placement; a unit of the placed coordinates holds two squares a side.
     pub to_uv: UvTransform,
-    /// Where one number is asked for, the two values change places: Mitsuba 3's `eval_1` does so, and its
-    /// scenes are made by what they look like there.
+    /// Where one number is asked for, the two values change places: Mitsuba 3's `eval_1` does so,
+    /// and its scenes are made by what they look like there.
     pub swaps_numbers: bool,
 }
 

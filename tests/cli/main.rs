@@ -15,6 +15,7 @@ mod losses;
 mod messages;
 mod models;
 mod outputs;
+mod scenes;
 mod shards;
 mod stopping;
 mod support;

@@ -150,7 +150,8 @@ fn spots_and_projectors() {
     );
 }
 
-/// Texels that are no light are told of and dark; what is infinite is the brightest number of the file.
+/// Texels that are no light are told of and dark; what is infinite is the brightest number of the
+/// file.
 #[test]
 fn texels_that_are_no_light() {
     let file = tempfile::Builder::new().suffix(".exr").tempfile().unwrap();
@@ -210,16 +211,20 @@ fn a_clipped_sun_shines() {
     assert!(brightest.x > 1000.0 && brightest.z < 10.0, "{brightest}");
 }
 
-/// A file that holds a part of its picture lights that part: the rest is black, and nothing is moved.
+/// A file that holds a part of its picture lights that part: the rest is black, and nothing is
+/// moved.
 #[test]
 fn a_data_window_has_its_place_in_the_picture() {
     use exr::prelude::*;
     let file = tempfile::Builder::new().suffix(".exr").tempfile().unwrap();
-    // Rows 1 and 2 and columns 3 to 6 of a picture of 8 by 6, and one column beyond the edge in another.
+    // Rows 1 and 2 and columns 3 to 6 of a picture of 8 by 6, and one column beyond the edge in
+    // another.
     for (start, size, seen) in [((3, 1), (4, 2), 8), ((-1, 0), (4, 6), 18)] {
         let channels = SpecificChannels::rgb(|_: Vec2<usize>| (1.0f32, 1.0f32, 1.0f32));
-        let mut attributes = LayerAttributes::default();
-        attributes.layer_position = Vec2(start.0, start.1);
+        let attributes = LayerAttributes {
+            layer_position: Vec2(start.0, start.1),
+            ..LayerAttributes::default()
+        };
         let layer = Layer::new(size, attributes, Encoding::FAST_LOSSLESS, channels);
         let window = IntegerBounds::from_dimensions((8, 6));
         Image::empty(ImageAttributes::new(window))

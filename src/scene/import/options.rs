@@ -28,7 +28,8 @@ pub type LoadMesh = fn(&Path, MeshKind, &MeshOptions) -> Result<Loaded, ImportEr
 pub struct ImportOptions {
     /// Values of `$name` in the scene (`-D name=value`); they win over the scene's own defaults.
     pub defines: Vec<(String, String)>,
-    /// Go on without what is missing or wrong, with a warning for each that says what takes its place.
+    /// Go on without what is missing or wrong, with a warning for each that says what takes its
+    /// place.
     pub lenient: bool,
     /// Where image textures come from.
     pub textures: Arc<dyn OpenTexture>,

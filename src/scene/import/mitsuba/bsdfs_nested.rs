@@ -85,8 +85,8 @@ impl<'a> Importer<'a> {
         }
     }
 
-    /// The parameter `name`, be it a texture, a spectrum or a colour; or the nested texture, whatever its
-    /// name.
+    /// The parameter `name`, be it a texture, a spectrum or a colour; or the nested texture,
+    /// whatever its name.
     fn nested_texture(
         &mut self,
         p: &Params<'a>,
@@ -151,7 +151,7 @@ impl<'a> Importer<'a> {
         if weights.len() != inner.len() || weights.is_empty() {
             let (w, b) = (weights.len(), inner.len());
             let message = format!("\"mixturebsdf\" has {w} weights for {b} <bsdf>s");
-            return Err(self.document.error(at, message));
+            return Err(p.error(message));
         }
         if weights.iter().any(|w| *w < 0.0) {
             return Err(self.document.error(at, "weights cannot be negative"));

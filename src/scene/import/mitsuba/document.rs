@@ -88,20 +88,35 @@ impl Document {
         }
     }
 
+    /// Notes what is wrong with the object at `at`: at the place in its file that the error names.
+    pub fn fault(&self, at: At, error: ImportError, instead: &'static str) {
+        let own = error
+            .at
+            .as_ref()
+            .filter(|l| Some(&l.file) == self.files.get(at.file));
+        let at = own.map_or(at, |l| At {
+            line: l.line,
+            column: l.column,
+            ..at
+        });
+        self.faults.add(at, error, instead);
+    }
+
     /// Whether a `<ref>` names object `index`.
     pub fn is_referred_to(&self, index: usize) -> bool {
         self.referred.get(index).copied().unwrap_or(false)
     }
 
-    /// Whether a part of object `index` could not be read: what it lacks then is no mistake of its own.
+    /// Whether a part of object `index` could not be read: what it lacks then is no mistake of its
+    /// own.
     pub fn is_broken(&self, index: usize) -> bool {
         let properties = &self.objects[index].properties;
         properties.iter().any(|p| matches!(p.value, Value::Broken))
     }
 
-    /// The file `name` that something at `at` asks for. As in Mitsuba, what is not absolute is looked for in
-    /// the directories that `<path>` names, then beside the main file, also from within an included one;
-    /// only then beside the included one itself.
+    /// The file `name` that something at `at` asks for. As in Mitsuba, what is not absolute is
+    /// looked for in the directories that `<path>` names, then beside the main file, also from
+    /// within an included one; only then beside the included one itself.
     pub fn resolve(&self, at: At, name: &str) -> PathBuf {
         let given = Path::new(name);
         if given.is_absolute() {

@@ -1,10 +1,11 @@
-//! From the bytes of a file to text: UTF-8, UTF-16 behind a byte order mark, and Latin-1 where the XML
-//! declaration says so.
+//! From the bytes of a file to text: UTF-8, UTF-16 behind a byte order mark, and Latin-1 where the
+//! XML declaration says so.
 
 /// How far into a file its XML declaration is looked for, in bytes.
 const DECLARATION: usize = 200;
 
-/// Names of the encoding whose bytes are the first 256 code points, and of Windows's relative of it.
+/// Names of the encoding whose bytes are the first 256 code points, and of Windows's relative of
+/// it.
 const LATIN: [&str; 5] = [
     "iso-8859-1",
     "latin1",

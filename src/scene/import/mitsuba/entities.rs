@@ -1,7 +1,7 @@
 //! Entities of a document type definition: short texts under a name are read, all else is refused.
 //!
-//! Entities that name each other can make gigabytes of a small file, and others stand for files. The
-//! length of everything that references stand for is added up before any of it is put in.
+//! Entities that name each other can make gigabytes of a small file, and others stand for files.
+//! The length of everything that references stand for is added up before any of it is put in.
 
 use std::collections::HashMap;
 
@@ -56,7 +56,8 @@ pub(super) fn check(text: &str) -> Result<(), Refused> {
     Ok(())
 }
 
-/// Name and value of an entity, and the length of its declaration; no value for one that names a file.
+/// Name and value of an entity, and the length of its declaration; no value for one that names a
+/// file.
 fn declared(text: &str) -> (Option<(&str, Option<&str>)>, usize) {
     let end = text.find(['"', '\'', '>']).unwrap_or(text.len());
     let mut words = text[..end].split_whitespace();

@@ -1,8 +1,8 @@
 //! What is wrong with a scene: all of it at once, in the order of its lines.
 //!
-//! Reading goes on behind a mistake with something plain in its place. At the end everything that was
-//! wrong is one error; with [`lenient`](crate::scene::import::ImportOptions::lenient), a warning each that says what took
-//! its place.
+//! Reading goes on behind a mistake with something plain in its place. At the end everything that
+//! was wrong is one error; with [`lenient`](crate::scene::import::ImportOptions::lenient), a
+//! warning each that says what took its place.
 
 use super::xml::At;
 use crate::scene::import::ImportError;

@@ -47,10 +47,12 @@ pub(super) struct Importer<'a> {
     origin: DVec3,
 }
 
-/// Images around the scene, by file and exponent: each is read once, though a scene may be imported again.
+/// Images around the scene, by file and exponent: each is read once, though a scene may be imported
+/// again.
 pub(super) type Environments = HashMap<(PathBuf, Option<u32>), Arc<EnvironmentImage>>;
 
-/// What objects hold through references is followed this often: what is held twice is held exponentially.
+/// What objects hold through references is followed this often: what is held twice is held
+/// exponentially.
 const MOST_NESTED: usize = 5_000_000;
 
 /// Imports a whole document.
@@ -128,8 +130,8 @@ impl<'a> Importer<'a> {
         Ok(())
     }
 
-    /// The value, or what takes its place where object `index` is wrong, which is told. What is wrong only
-    /// because a part of the object is, is told already.
+    /// The value, or what takes its place where object `index` is wrong, which is told. What is
+    /// wrong only because a part of the object is, is told already.
     pub fn or_instead<T>(
         &mut self,
         index: usize,
@@ -141,7 +143,7 @@ impl<'a> Importer<'a> {
             let at = self.document.objects[index].at;
             let own = error.at.as_ref() == Some(&self.document.location(at));
             if !(own && self.document.is_broken(index)) {
-                self.document.faults.add(at, error, instead);
+                self.document.fault(at, error, instead);
             }
             plain(self)
         })

@@ -36,8 +36,8 @@ impl Request {
     }
 }
 
-/// Loads what the pending shapes ask for and makes shapes of them. What is missing or bad is told, and the
-/// shapes are left out.
+/// Loads what the pending shapes ask for and makes shapes of them. What is missing or bad is told,
+/// and the shapes are left out.
 pub(super) fn load_all(importer: &mut Importer, pending: Vec<PendingShape>) -> Vec<Shape> {
     let mut unique: Vec<&Request> = Vec::new();
     let mut index_of = HashMap::new();
@@ -86,7 +86,8 @@ fn missing(request: &Request) -> ImportError {
     }
 }
 
-/// The mesh, its repairs as warnings; `None` for one that is bad, or has nothing that could be seen.
+/// The mesh, its repairs as warnings; `None` for one that is bad, or has nothing that could be
+/// seen.
 fn accept(
     importer: &mut Importer,
     result: Result<Loaded, ImportError>,

@@ -10,8 +10,8 @@
 //! Both dialects are one language here: names are compared in one spelling (`names`), and where the
 //! same words mean different things, each object remembers whose file it stands in.
 //!
-//! What is wrong is an error with file, line and column, all that is wrong at once (`faults`); what is
-//! odd (a parameter nobody knows) is a warning in [`Description::warnings`].
+//! What is wrong is an error with file, line and column, all that is wrong at once (`faults`); what
+//! is odd (a parameter nobody knows) is a warning in [`Description::warnings`].
 
 mod attributes;
 mod bsdfs;
@@ -50,8 +50,9 @@ use std::path::Path;
 /// Loads a scene.
 ///
 /// # Errors
-/// Anything in the file that has no meaning: bad XML, unknown elements, plugins or ids, values out of
-/// range, files that are missing. With [`ImportOptions::lenient`] only what leaves nothing to go on with.
+/// Anything in the file that has no meaning: bad XML, unknown elements, plugins or ids, values out
+/// of range, files that are missing. With [`ImportOptions::lenient`] only what leaves nothing to go
+/// on with.
 pub fn load(path: &Path, options: &ImportOptions) -> Result<Description, ImportError> {
     let document = reader::read(path, &options.defines)?;
     importer::import(&document, options)

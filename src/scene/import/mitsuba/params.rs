@@ -124,8 +124,8 @@ impl<'a> Params<'a> {
         self.document.error(property.at, message)
     }
 
-    /// The value of parameter `name` as `read` takes it from what is written. Where that is wrong it is
-    /// told, and the parameter counts as not given.
+    /// The value of parameter `name` as `read` takes it from what is written. Where that is wrong
+    /// it is told, and the parameter counts as not given.
     fn read<T>(
         &self,
         name: &'static str,

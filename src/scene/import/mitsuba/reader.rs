@@ -172,14 +172,14 @@ impl Reader {
         Err(self.document.error(at, message))
     }
 
-    /// Reads one element inside object `parent`. One that cannot be read is told, and marks its place.
+    /// Reads one element inside object `parent`. One that cannot be read is told, and marks its
+    /// place.
     fn child(&mut self, parent: usize, element: &Element, dialect: Dialect) {
         if self.overflow.is_some() {
             return;
         }
         if let Err(error) = self.try_child(parent, element, dialect) {
-            let instead = "it is left out";
-            self.document.faults.add(element.at, error, instead);
+            self.document.fault(element.at, error, "it is left out");
             let name = element.attributes.iter().find(|(n, _)| n == "name");
             let name = name.map_or("", |(_, name)| name);
             self.push(parent, name, element.at, Value::Broken);
@@ -260,8 +260,8 @@ impl Reader {
         }
     }
 
-    /// Whether an object has a parameter of that name; if not, it is about to get one. A scene may have a
-    /// hundred thousand of them.
+    /// Whether an object has a parameter of that name; if not, it is about to get one. A scene may
+    /// have a hundred thousand of them.
     fn is_given(&mut self, parent: usize, name: &str) -> bool {
         let properties = &self.document.objects[parent].properties;
         if properties.len() < FEW {
@@ -311,7 +311,15 @@ impl Reader {
             }
         }
         self.including.truncate(depth);
-        read.map(|_| ())
+        let place = self.document.location(element.at);
+        let included = format!("it is included at {place}");
+        read.map(|_| ()).map_err(|error| ImportError {
+            help: Some(match error.help {
+                Some(help) => format!("{help}\n  {included}"),
+                None => included,
+            }),
+            ..error
+        })
     }
 }
 

@@ -10,8 +10,8 @@ use std::collections::HashMap;
 /// Unknown names that are compared with all known ones.
 const MOST_HINTS: usize = 100;
 
-/// Replaces every reference by the object it names. What cannot be is told and marked as broken, and so is
-/// whatever names an object of a plugin that nobody knows.
+/// Replaces every reference by the object it names. What cannot be is told and marked as broken,
+/// and so is whatever names an object of a plugin that nobody knows.
 pub(super) fn resolve(
     document: &mut Document,
     ids: &HashMap<String, usize>,
@@ -100,8 +100,8 @@ pub(super) fn unknown(
     document.error_help(at, format!("nothing has the id \"{id}\""), help)
 }
 
-/// Depth-first search with its own stack: chains of references may be long. What would close a circle is
-/// told and marked as broken.
+/// Depth-first search with its own stack: chains of references may be long. What would close a
+/// circle is told and marked as broken.
 fn refuse_cycles(document: &mut Document) {
     #[derive(Clone, Copy, PartialEq)]
     enum Mark {

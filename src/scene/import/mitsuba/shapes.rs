@@ -114,8 +114,8 @@ impl<'a> Importer<'a> {
         Ok(())
     }
 
-    /// The emitter inside a shape, if there is one, and what it emits: `None` if no path from a camera ever
-    /// meets that.
+    /// The emitter inside a shape, if there is one, and what it emits: `None` if no path from a
+    /// camera ever meets that.
     fn lamp(&mut self, p: &Params<'a>) -> Result<Option<Option<Texture>>, ImportError> {
         let Some(index) = p.child("emitter")? else {
             return Ok(None);

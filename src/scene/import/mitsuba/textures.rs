@@ -33,7 +33,8 @@ impl Role {
 /// Textures that one may be made of. Thirty that each hold the next one twice would be 2^30.
 const MOST_TEXTURES: usize = 256;
 
-/// Stands for the size of what was refused for it: what holds that is plain too, without a word more.
+/// Stands for the size of what was refused for it: what holds that is plain too, without a word
+/// more.
 pub(super) const TOO_LARGE: usize = 1 << 40;
 
 impl<'a> Importer<'a> {
@@ -276,8 +277,8 @@ impl<'a> Importer<'a> {
     }
 
     fn scaled(&mut self, params: &Params<'a>, role: Role) -> Result<Texture, ImportError> {
-        // Only one of the two factors carries the role: light times a number is light. A reflectance is in
-        // range when both are multiplied.
+        // Only one of the two factors carries the role: light times a number is light. A
+        // reflectance is in range when both are multiplied.
         let part = match role {
             Role::Light => Role::Light,
             Role::Reflectance | Role::Number => Role::Number,

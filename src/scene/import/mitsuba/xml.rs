@@ -1,8 +1,9 @@
 //! XML with places: text to a tree of elements, each knowing its line and column.
 //!
-//! `roxmltree` does the parsing. Of document type definitions, harmless entities are read ([`entities`]).
-//! Comments are blanked before parsing, without moving lines or columns: some renderers' readers accept
-//! `--` and `<!--` inside comments, XML does not, and scenes in circulation have them.
+//! `roxmltree` does the parsing. Of document type definitions, harmless entities are read
+//! ([`entities`]). Comments are blanked before parsing, without moving lines or columns: some
+//! renderers' readers accept `--` and `<!--` inside comments, XML does not, and scenes in
+//! circulation have them.
 
 use super::entities;
 use crate::scene::import::{ImportError, Location};
@@ -115,8 +116,8 @@ fn element(
 /// Bytes between the marks of [`Places`].
 const MARK: usize = 256;
 
-/// From bytes of a text to lines and columns, in a bounded number of steps each: a whole scene may stand
-/// in one line.
+/// From bytes of a text to lines and columns, in a bounded number of steps each: a whole scene may
+/// stand in one line.
 struct Places<'a> {
     text: &'a [u8],
     /// Where lines begin.

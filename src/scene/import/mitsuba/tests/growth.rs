@@ -1,6 +1,8 @@
-//! What a small file may cost: time in proportion to its length, and no more for parts that are held twice.
+//! What a small file may cost: time in proportion to its length, and no more for parts that are
+//! held twice.
 
 use super::Stage;
+use crate::image::{Image, WriteOptions, write};
 use std::time::{Duration, Instant};
 
 /// Far above what a busy machine takes in linear time, far below what these take in quadratic.
@@ -115,12 +117,14 @@ fn includes_do_not_grow_for_ever() {
     );
 }
 
-/// A texture or an environment map that is enormous beside its file is refused with the numbers, and the
-/// limit can be raised.
+/// A texture or an environment map that is enormous beside its file is refused with the numbers,
+/// and the limit can be raised.
 #[test]
 fn images_that_grow_too_much_are_refused() {
     let mut stage = Stage::new().with_files();
-    stage.exr("flat.exr", 1024, 0.25);
+    let mut flat = Image::new(1024, 1024, &["R", "G", "B"]);
+    flat.pixels.fill(0.25);
+    write(&stage.path("flat.exr"), &flat, &WriteOptions::default()).unwrap();
     let texture = "<shape type='sphere'><bsdf type='diffuse'><texture type='bitmap' name='reflectance'><string name='filename' value='flat.exr'/></texture></bsdf></shape>";
     let sky = "<shape type='sphere'/><emitter type='envmap'><string name='filename' value='flat.exr'/></emitter>";
     for inside in [texture, sky] {

@@ -179,7 +179,8 @@ fn turned_normals_do_as_the_scene_says() {
     }
 }
 
-/// Mitsuba 3's checkerboard swaps its colours where one number is asked of it; Mitsuba 0.x's does not.
+/// Mitsuba 3's checkerboard swaps its colours where one number is asked of it; Mitsuba 0.x's does
+/// not.
 #[test]
 fn checkerboards_swap_numbers_in_mitsuba_3() {
     let bsdf = "<bsdf type='mask'><texture type='checkerboard' name='opacity'><float name='color0' value='0.1'/><float name='color1' value='0.9'/></texture><bsdf type='diffuse'/></bsdf>";
@@ -194,7 +195,8 @@ fn checkerboards_swap_numbers_in_mitsuba_3() {
     assert_eq!(opacity(&Stage::new().classic(&on_sphere(bsdf))), (0.1, 0.1));
 }
 
-/// A texture that reaches above 1 is cut, and told of, as a colour is: bitmaps, and what is made of them.
+/// A texture that reaches above 1 is cut, and told of, as a colour is: bitmaps, and what is made of
+/// them.
 #[test]
 fn reflectances_above_1_are_cut_with_a_warning() {
     let stage = Stage::new().with_files();
@@ -302,8 +304,10 @@ fn texels_and_windows_that_are_odd_are_told_of() {
 fn part_of_a_picture(path: &std::path::Path) {
     use exr::prelude::*;
     let channels = SpecificChannels::rgb(|_: Vec2<usize>| (0.5f32, 0.5f32, 0.5f32));
-    let mut attributes = LayerAttributes::default();
-    attributes.layer_position = Vec2(3, 1);
+    let attributes = LayerAttributes {
+        layer_position: Vec2(3, 1),
+        ..LayerAttributes::default()
+    };
     let layer = Layer::new((4, 2), attributes, Encoding::FAST_LOSSLESS, channels);
     let window = IntegerBounds::from_dimensions((8, 6));
     let image = Image::empty(ImageAttributes::new(window)).with_layer(layer);

@@ -19,7 +19,7 @@ use crate::texture::{BitmapSettings, Texture, TextureStore};
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 
-/// Remembers what was asked for and opens nothing: every image is the grey of its own number.
+/// Remembers what was asked for and opens nothing: every image is a grey by its own number.
 #[derive(Default)]
 struct Asked(Mutex<Vec<BitmapSettings>>);
 
@@ -27,7 +27,8 @@ impl OpenTexture for Asked {
     fn open(&self, settings: BitmapSettings) -> Result<Texture, ImageError> {
         let mut list = self.0.lock().unwrap();
         list.push(settings);
-        Ok(Texture::Constant(Rgb::splat(list.len() as f32)))
+        // Below 1, so that it is a reflectance as well.
+        Ok(Texture::Constant(Rgb::splat(list.len() as f32 / 4096.0)))
     }
 }
 

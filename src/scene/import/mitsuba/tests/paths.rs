@@ -1,4 +1,5 @@
-//! Where files are looked for: as Mitsuba does, from the main scene's folder also within included files.
+//! Where files are looked for: as Mitsuba does, from the main scene's folder also within included
+//! files.
 
 use super::Stage;
 use crate::scene::Description;

@@ -282,7 +282,7 @@ fn the_same_mesh_is_loaded_once() {
 #[test]
 fn emitters_are_read() {
     let stage = Stage::new();
-    stage.file("sky.exr", "");
+    stage.exr("sky.exr", 4, 1.0);
     let d = stage.modern(
         "<emitter type='point'><transform name='to_world'><translate x='4'/></transform><rgb name='intensity' value='1 2 3'/></emitter>
          <emitter type='spot'><float name='cutoff_angle' value='40'/></emitter>
