@@ -375,8 +375,8 @@ fn what_is_shared_makes_no_constellations() {
     println!(
         "with sharing the variance of a tile is {tile:.3} of that without, of a pixel {pixel:.3}"
     );
-    // A ratio of two variances of 600 renders has a standard error of about 8 %. Where a quarter
-    // of the suffixes stood for all, it was CONST.
+    // A ratio of two variances of 600 renders has a standard error of some 10 %. Where a quarter of
+    // the suffixes stood for all, it was 4.32, and that of pixels 0.91.
     assert!(tile < 1.25, "{tile}");
     assert!(pixel < 0.5, "{pixel}");
 }
