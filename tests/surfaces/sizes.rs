@@ -4,6 +4,7 @@ use super::support::{Built, SceneMaker, film_mean, grey, settings};
 use std::path::Path;
 use twintree::accel::{Backend, ExactKind};
 use twintree::bsdf::Material;
+use twintree::bsdf::material::Turning;
 use twintree::bsdf::material::{Distribution, Roughness};
 use twintree::integrate::PathSettings;
 use twintree::light::Emitter;
@@ -78,10 +79,12 @@ fn walls_are_as_bright_in_few_pixels_as_in_many() {
         ("bumps", &|maker| Material::BumpMap {
             displacement: heights.clone(),
             scale: 10.0,
+            turning: Turning::default(),
             inner: maker.diffuse(0.5),
         }),
         ("normals", &|maker| Material::NormalMap {
             normals: normals.clone(),
+            turning: Turning::default(),
             inner: under(maker),
         }),
         ("roughness", &|_| metal(alphas.clone())),
