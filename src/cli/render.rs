@@ -136,6 +136,11 @@ pub fn run(args: &RenderArgs, console: &Console, interrupt: &Interrupt) -> Resul
     stats.field = guiding.learner.as_ref().map(Learner::stats);
     stats.trial = guiding.learner.as_ref().and_then(Learner::verdict);
     tracing::info!("{}", stats.sentence());
+    if summary.noise.is_some_and(|noise| !noise.is_reliable()) {
+        tracing::info!(
+            "the true noise may be larger: a few pixels have most of it, by light that others still miss"
+        );
+    }
     if let Some(sentence) = stats.error_sentence() {
         tracing::info!("{sentence}");
     }

@@ -12,7 +12,6 @@
 //!
 //! The names are `layer.channel`, the convention by which Blender and Nuke group channels.
 
-use super::variance::Variances;
 use super::{Film, Pixel, Tile};
 use crate::image::{Attribute, Channel, Image, PixelType};
 
@@ -86,11 +85,11 @@ struct Layer {
     read: fn(&Seen, &mut Vec<f32>),
 }
 
-/// A pixel, its tile with its number, and the variances of the film.
+/// A pixel, its tile, and its variance.
 struct Seen<'f> {
     pixel: &'f Pixel,
-    tile: (usize, &'f Tile),
-    variances: &'f Variances,
+    tile: &'f Tile,
+    variance: [f32; 3],
 }
 
 const PICTURE: Layer = Layer {
@@ -116,16 +115,13 @@ const DEPTH: Layer = Layer {
 const VARIANCE: Layer = Layer {
     names: &["variance.R", "variance.G", "variance.B"],
     stored: Some(PixelType::Float),
-    read: |seen, out| {
-        let variance = seen.variances.of_mean(seen.tile.0, seen.pixel);
-        out.extend(variance.map(single));
-    },
+    read: |seen, out| out.extend(seen.variance),
 };
 const NOISE: Layer = Layer {
     names: &["noise.R", "noise.G", "noise.B"],
     stored: Some(PixelType::Float),
     read: |seen, out| {
-        let noise = seen.variances.realisation(seen.tile, seen.pixel);
+        let noise = seen.tile.realisation(seen.pixel);
         out.extend(noise.map(single));
     },
 };
@@ -173,15 +169,16 @@ impl Film {
             .collect();
         let (width, height) = (self.width(), self.height());
         let mut pixels = Vec::with_capacity(width as usize * height as usize * channels.len());
-        let variances = self.variances();
+        let variances = layers.variance.then(|| self.variances());
         let [x0, y0, x1, y1] = self.region();
-        for place in (y0..y1).flat_map(|y| (x0..x1).map(move |x| [x, y])) {
+        let places = (y0..y1).flat_map(|y| (x0..x1).map(move |x| [x, y]));
+        for (at, place) in places.enumerate() {
             let (number, i) = self.place(place).expect("the pixel is in the region");
             let tile = &self.tiles()[number];
             let seen = Seen {
                 pixel: tile.pixels.get(i).unwrap_or(&Pixel::EMPTY),
-                tile: (number, tile),
-                variances: &variances,
+                tile,
+                variance: variances.as_ref().map_or([0.0; 3], |v| v.of(at)),
             };
             list.iter()
                 .for_each(|layer| (layer.read)(&seen, &mut pixels));
@@ -221,7 +218,6 @@ mod tests {
                         radiance: Rgb::new(x, y, radiance),
                         weight: 1.0,
                         worth: 1.0,
-                        sequence: 0,
                         albedo: Rgb::splat(0.25),
                         normal: Vec3::Y,
                         depth: 7.0,

@@ -11,15 +11,15 @@
 //! depend on the unit of light. (The mean is that of all but the brightest [`SPECKS`].)
 //!
 //! - The variance is that of [`super::variance`].
-//! - The value is the mean over [`WINDOW`] x [`WINDOW`] pixels. A pixel's own value goes with its own
-//!   variance: where a rare bright path was met both are large, elsewhere both are small, and their ratio
-//!   says little of the error in either place.
+//! - The value is between the pixel's own and the mean over [`WINDOW`] x [`WINDOW`] pixels, as James and Stein
+//!   shrink means: the own one as far as it differs from the other by more than noise. A pixel's noisy value
+//!   goes with its variance: where a rare bright path was met both are large, elsewhere both are small, and their
+//!   ratio says little of the error in either place.
 //! - Terms are trimmed because one sample of 1e6 in a corner would keep a clean image rendering for ever.
 //!
 //! tests/variance.rs compares it with true errors.
 
 use super::Film;
-use crate::math::smooth::smooth;
 
 /// Share of the numbers, the largest, that are left out.
 const TRIM: f64 = 1e-3;
@@ -97,44 +97,24 @@ impl Film {
     /// The terms of the mean, tile by tile.
     fn relative_variances(&self) -> Vec<f32> {
         let variances = self.variances();
-        let values: [Vec<f32>; 3] = std::array::from_fn(|c| self.smoothed(c));
+        let values: [Vec<f32>; 3] = std::array::from_fn(|c| {
+            let image = self.row_by_row(|_, pixel| pixel.mean()[c]);
+            self.smoothed(&image, &[1.0; WINDOW])
+        });
         let numbers = 3 * self.held_pixels();
         let floor = FLOOR * usual(&values, numbers as usize).powi(2);
         let mut terms = Vec::with_capacity(numbers as usize);
-        for (number, tile) in self.tiles.iter().enumerate() {
+        for tile in &self.tiles {
             for (i, pixel) in tile.pixels.iter().enumerate() {
                 let at = self.row_major(tile.place(i));
-                let variance = variances.of_mean(number, pixel);
-                terms.extend((0..3).map(|c| relative(variance[c], values[c][at], floor)));
+                let (own, variance) = (pixel.mean(), variances.of(at).map(f64::from));
+                terms.extend((0..3).map(|c| {
+                    let value = shrunk(own[c], f64::from(values[c][at]), variance[c]);
+                    relative(variance[c], value, floor)
+                }));
             }
         }
         terms
-    }
-
-    /// Averages of a channel, row by row; 0 where the film holds no tile.
-    fn smoothed(&self, channel: usize) -> Vec<f32> {
-        let size = [self.width() as usize, self.height() as usize];
-        let mut image = vec![0.0; size[0] * size[1]];
-        let mut held = image.clone();
-        for tile in self.held() {
-            for (i, pixel) in tile.pixels.iter().enumerate() {
-                let at = self.row_major(tile.place(i));
-                image[at] = pixel.mean()[channel] as f32;
-                held[at] = 1.0;
-            }
-        }
-        let kernel = [1.0; WINDOW];
-        let (sums, weights) = (smooth(&image, size, &kernel), smooth(&held, size, &kernel));
-        let pixels = sums.iter().zip(&weights).zip(&held);
-        pixels
-            .map(|((sum, weight), held)| if *held > 0.0 { sum / weight } else { 0.0 })
-            .collect()
-    }
-
-    /// Number of a pixel of the full film in its region, row by row.
-    fn row_major(&self, [x, y]: [u32; 2]) -> usize {
-        let [x0, y0, ..] = self.region;
-        ((y - y0) * self.width() + x - x0) as usize
     }
 }
 
@@ -148,9 +128,18 @@ fn usual(values: &[Vec<f32>; 3], count: usize) -> f64 {
     sum / (count - brightest) as f64
 }
 
+/// A value of this variance, shrunk towards the mean around it (James and Stein 1961, one dimension).
+fn shrunk(own: f64, around: f64, variance: f64) -> f64 {
+    let distance = own - around;
+    if distance * distance <= variance {
+        return around;
+    }
+    around + distance * (1.0 - variance / (distance * distance))
+}
+
 /// A term; 0 where there is neither light nor variance.
-fn relative(variance: f64, value: f32, floor: f64) -> f32 {
-    let scale = f64::from(value).powi(2) + floor;
+fn relative(variance: f64, value: f64, floor: f64) -> f32 {
+    let scale = value * value + floor;
     if variance > 0.0 && scale > 0.0 {
         (variance / scale).min(f64::from(f32::MAX)) as f32
     } else {

@@ -14,8 +14,6 @@ pub struct Sample {
     pub weight: f32,
     /// How many samples it stands for: not 1 where pixels take more or fewer than others.
     pub worth: f32,
-    /// First sample of the image in its Sobol sequence.
-    pub sequence: u64,
     /// Reflectance of the first surface.
     pub albedo: Rgb,
     /// Its shading normal, world space.
@@ -31,7 +29,6 @@ impl Default for Sample {
             radiance: Rgb::ZERO,
             weight: 1.0,
             worth: 1.0,
-            sequence: 0,
             albedo: Rgb::ZERO,
             normal: Vec3::ZERO,
             depth: 0.0,
@@ -69,7 +66,7 @@ pub struct Pixel {
 /// Sums over the later half of a pixel's samples: those from the largest power of two on that is below their
 /// number. What the halves differ by tells the noise of their mean whatever links the samples (see
 /// [`super::variance`]).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Late {
     /// The first sample of the image among them: 0 or a power of two.
     pub from: u64,
@@ -79,8 +76,6 @@ pub struct Late {
     pub worth: f64,
     /// Sum of its squares.
     pub worth_squares: f64,
-    /// First sample of the image in the earliest Sobol sequence among them.
-    pub sequence: u64,
 }
 
 impl Late {
@@ -90,13 +85,7 @@ impl Late {
         radiance: [0.0; 3],
         worth: 0.0,
         worth_squares: 0.0,
-        sequence: u64::MAX,
     };
-
-    /// Whether some of them go on with a sequence of the earlier half.
-    pub fn is_continued(&self) -> bool {
-        self.sequence < self.from
-    }
 
     /// The later half of `samples` samples of the image starts with this one.
     pub fn begin(samples: u64) -> u64 {
@@ -108,13 +97,12 @@ impl Late {
 
     /// Adds a sample's `values`, already weighted.
     #[inline]
-    fn add(&mut self, values: [f64; 3], worth: f64, sequence: u64) {
+    fn add(&mut self, values: [f64; 3], worth: f64) {
         for (sum, value) in self.radiance.iter_mut().zip(values) {
             *sum += value;
         }
         self.worth += worth;
         self.worth_squares += worth * worth;
-        self.sequence = self.sequence.min(sequence);
     }
 
     /// Forgets what is of the earlier half by the time that sample number `index` comes.
@@ -127,12 +115,6 @@ impl Late {
                 ..Self::EMPTY
             };
         }
-    }
-}
-
-impl Default for Late {
-    fn default() -> Self {
-        Self::EMPTY
     }
 }
 
@@ -169,7 +151,7 @@ impl Pixel {
         self.weight += weight;
         self.worth += worth;
         self.worth_squares += worth * worth;
-        self.late.add(values, worth, s.sequence);
+        self.late.add(values, worth);
         self.count += 1;
         if s.depth > 0.0 {
             self.depth += f64::from(s.depth);

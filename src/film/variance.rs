@@ -9,39 +9,33 @@
 //! for independent samples, whatever their distribution (the samples of both halves can be exchanged).
 //! Its mean over a neighbourhood of many pixels, `rho`, tells how the samples are linked.
 //!
-//! - Halves of sequences of their own are independent: then the variance of the mean is `rho S^2 / N`.
-//! - Halves of one sequence avoid each other: their contrast is larger than the error of their mean. By the
-//!   law `V(n) = S^2 n^-p`, under which scrambled nets converge (Owen 1997: p between 1 and 3), and
-//!   `Var(m_0 + m_1)` being that of the whole, `rho = k(p) N^(1 - p)`; that is solved for p, and the
-//!   variance of the mean is `S^2 N^-p`. With halves of like size k = 2^p - 1.
+//! The variance of the mean is then `rho S^2 / N`. That is exact for halves that are independent of each other. Those
+//! of one Sobol sequence avoid each other, in the dimensions in which they are stratified: what such
+//! dimensions explain is small in the contrast, and yet smaller in the mean; the rest, which is most
+//! of what is left of the variance of paths, is as in independent halves. So for one sequence the variance is told
+//! rather too large than too small.
 //!
-//! [`Variances::realisation`] is the contrast scaled to that variance: an image of noise like that of the film,
+//! A pixel that has missed a rare bright path knows neither its error nor that it does not know. Its
+//! neighbours may: what is told of a pixel is the mean of its own variance and of those around it.
+//!
+//! [`Tile::realisation`] is the contrast, scaled as the error of the mean: an image of noise like that of the film,
 //! whose mean over any block has on average the square of the error that the film's mean has there.
 //!
 //! tests/variance.rs holds all of it to the truth.
 
 use super::{Film, Late, Pixel, Tile};
+use crate::math::smooth::smooth;
 use std::ops::AddAssign;
 
+/// A pixel's variance is averaged with those around it by these weights on each axis.
+const SMOOTH: [f32; 5] = [1.0, 2.0, 3.0, 2.0, 1.0];
 /// Pixels of an average neighbourhood's ratio that the ratio of the whole film counts for.
 const PRIOR: f64 = 64.0;
-/// Largest exponent of convergence that is believed: that of smooth integrands in many dimensions is less.
-const MAX_EXPONENT: f64 = 2.0;
-
-/// What links the samples of a tile's pixels does to their variances.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Linked {
-    /// Variance of the mean over that of independent samples.
-    variance: f64,
-    /// The same over that of the contrast of the halves, when both are scaled alike.
-    of_contrast: f64,
-}
-
-/// Variances of a film's pixels.
+/// Variances of the means of a film's pixels over renders with other seeds.
 #[derive(Clone, Debug)]
 pub struct Variances {
-    /// Tile by tile.
-    linked: Vec<Linked>,
+    /// Channel by channel, row by row.
+    channels: [Vec<f32>; 3],
 }
 
 /// The contrast between the halves of a pixel's samples.
@@ -104,63 +98,21 @@ impl Ratios {
     }
 }
 
-impl Linked {
-    const INDEPENDENT: Self = Self {
-        variance: 1.0,
-        of_contrast: 1.0,
-    };
-
-    /// From the mean ratio in a neighbourhood of `tile`.
-    fn new(ratio: f64, tile: &Tile) -> Self {
-        let from = Late::begin(tile.done);
-        if from == 0 {
-            return Self::INDEPENDENT;
-        }
-        let one_sequence = tile.pixels.iter().any(|p| p.late.is_continued());
-        if !one_sequence {
-            return Self {
-                variance: ratio,
-                of_contrast: 1.0,
-            };
-        }
-        let halves = [from as f64, (tile.done - from) as f64];
-        let exponent = exponent(ratio, halves);
-        Self {
-            variance: (halves[0] + halves[1]).powf(1.0 - exponent),
-            of_contrast: 1.0 / excess(exponent, halves),
-        }
-    }
-}
-
-/// Variance of the contrast of two halves of a sequence, scaled as for independent samples, over that of the mean
-/// of all, where `n` points have the variance `n^-p`.
-fn excess(p: f64, [a, b]: [f64; 2]) -> f64 {
-    let n = a + b;
-    let [first, second, whole] = [a, b, n].map(|n| n.powf(-p));
-    // Var(mean) n^2 = a^2 Var(first) + b^2 Var(second) + 2 a b Cov.
-    let covariance = (n * n * whole - a * a * first - b * b * second) / (2.0 * a * b);
-    a * b / (n * n) * (first + second - 2.0 * covariance) / whole
-}
-
-/// The exponent under which the ratio would be the one observed; it falls as the exponent grows.
-fn exponent(ratio: f64, halves: [f64; 2]) -> f64 {
-    let n = halves[0] + halves[1];
-    let expected = |p: f64| excess(p, halves) * n.powf(1.0 - p);
-    let (mut low, mut high) = (1.0, MAX_EXPONENT);
-    for _ in 0..30 {
-        let middle = 0.5 * (low + high);
-        if expected(middle) > ratio {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    0.5 * (low + high)
-}
-
 impl Film {
-    /// The variances of its pixels. Takes a pass over the film.
+    /// The variances of its pixels. Takes some passes over the film.
     pub fn variances(&self) -> Variances {
+        let linked = self.linked();
+        let channels = std::array::from_fn(|c| {
+            let own = self.row_by_row(|tile, pixel| pixel.variance_of_mean()[c] * linked[tile]);
+            let around = self.smoothed(&own, &SMOOTH);
+            let both = own.iter().zip(around);
+            both.map(|(own, around)| 0.5 * (own + around)).collect()
+        });
+        Variances { channels }
+    }
+
+    /// Variance of the mean over that of independent samples, tile by tile.
+    fn linked(&self) -> Vec<f64> {
         let ratios: Vec<Ratios> = self.tiles.iter().map(Ratios::of).collect();
         let mut all = Ratios::default();
         ratios.iter().for_each(|r| all += *r);
@@ -169,75 +121,74 @@ impl Film {
         } else {
             1.0
         };
-        let linked = (0..self.tiles.len()).map(|i| {
+        let around = |tile| {
             let mut near = Ratios {
                 sum: PRIOR * usual,
                 count: PRIOR,
             };
-            self.tiles_around(i).for_each(|j| near += ratios[j]);
-            Linked::new(near.sum / near.count, &self.tiles[i])
-        });
-        Variances {
-            linked: linked.collect(),
-        }
+            self.tiles_around(tile).for_each(|i| near += ratios[i]);
+            near.sum / near.count
+        };
+        (0..self.tiles.len()).map(around).collect()
     }
 
     /// A tile and its neighbours.
     fn tiles_around(&self, tile: usize) -> impl Iterator<Item = usize> + use<> {
         let across = self.width().div_ceil(super::TILE_SIZE) as usize;
-        let (rows, count) = (self.tiles.len() / across, self.tiles.len());
+        let rows = self.tiles.len() / across;
         let near = |at: usize, end: usize| at.saturating_sub(1)..(at + 2).min(end);
         let columns = near(tile % across, across);
-        near(tile / across, rows)
-            .flat_map(move |y| columns.clone().map(move |x| y * across + x))
-            .filter(move |i| *i < count)
+        near(tile / across, rows).flat_map(move |y| columns.clone().map(move |x| y * across + x))
+    }
+
+    /// A number of each pixel, row by row; 0 where the film holds no tile.
+    pub(super) fn row_by_row(&self, value: impl Fn(usize, &Pixel) -> f64) -> Vec<f32> {
+        let mut image = vec![0.0; self.width() as usize * self.height() as usize];
+        for (number, tile) in self.tiles.iter().enumerate() {
+            for (i, pixel) in tile.pixels.iter().enumerate() {
+                let most = f64::from(f32::MAX);
+                image[self.row_major(tile.place(i))] = value(number, pixel).min(most) as f32;
+            }
+        }
+        image
+    }
+
+    /// An image row by row, smoothed over the pixels that the film holds.
+    pub(super) fn smoothed(&self, image: &[f32], kernel: &[f32]) -> Vec<f32> {
+        let size = [self.width() as usize, self.height() as usize];
+        let held = self.row_by_row(|_, _| 1.0);
+        let (sums, weights) = (smooth(image, size, kernel), smooth(&held, size, kernel));
+        let pixels = sums.iter().zip(&weights).zip(&held);
+        let mean = |((sum, weight), held): ((&f32, &f32), &f32)| {
+            if *held > 0.0 { sum / weight } else { 0.0 }
+        };
+        pixels.map(mean).collect()
+    }
+
+    /// Number of a pixel of the full film in its region, row by row.
+    pub(super) fn row_major(&self, [x, y]: [u32; 2]) -> usize {
+        let [x0, y0, ..] = self.region;
+        (y - y0) as usize * self.width() as usize + (x - x0) as usize
     }
 }
 
 impl Variances {
-    /// Variance of [`Pixel::mean`], of a pixel in tile number `tile`, over renders with other seeds.
-    pub fn of_mean(&self, tile: usize, pixel: &Pixel) -> [f64; 3] {
-        let factor = self.linked[tile].variance;
-        pixel.variance_of_mean().map(|v| v * factor)
-    }
-
-    /// A number of the size that the pixel's error has. The mean of its square is the variance of the
-    /// pixel's mean; and that of the square of its sum over any pixels the variance of theirs. 0 where a half of the
-    /// samples is missing.
-    pub fn realisation(&self, (number, tile): (usize, &Tile), pixel: &Pixel) -> [f64; 3] {
-        let Some(contrast) = Contrast::of(pixel, tile.done) else {
-            return [0.0; 3];
-        };
-        let mean = pixel.worth_squares / (pixel.worth * pixel.worth);
-        let scale = (mean / contrast.scale * self.linked[number].of_contrast).sqrt();
-        contrast.difference.map(|d| d * scale)
+    /// Those of a pixel's channels; `at` counts the pixels of the film's region row by row.
+    pub fn of(&self, at: usize) -> [f32; 3] {
+        [0, 1, 2].map(|c| self.channels[c][at])
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn halves_of_like_size_exceed_by_what_the_exponent_says() {
-        for p in [1.0, 1.3, 2.0] {
-            let expected = f64::powf(2.0, p) - 1.0;
-            assert!((excess(p, [32.0, 32.0]) - expected).abs() < 1e-12);
-        }
-        // Independent samples: whatever the sizes.
-        assert!((excess(1.0, [64.0, 3.0]) - 1.0).abs() < 1e-12);
-    }
-
-    #[test]
-    fn the_exponent_is_found_again() {
-        for halves in [[2.0, 2.0], [32.0, 32.0], [64.0, 32.0], [512.0, 64.0]] {
-            for p in [1.0, 1.1, 1.4, 1.9] {
-                let n: f64 = halves[0] + halves[1];
-                let ratio = excess(p, halves) * n.powf(1.0 - p);
-                let found = exponent(ratio, halves);
-                assert!((found - p).abs() < 1e-6, "{halves:?} {p} {found}");
-            }
-            assert!(exponent(1.2, halves) < 1.001);
-        }
+impl Tile {
+    /// A number of the size that the error of one of its pixels has. The mean of its square is the variance of
+    /// the pixel's mean, and that of the square of its mean over any pixels the variance of theirs. 0 where
+    /// a half of the samples is missing.
+    pub fn realisation(&self, pixel: &Pixel) -> [f64; 3] {
+        let Some(contrast) = Contrast::of(pixel, self.done) else {
+            return [0.0; 3];
+        };
+        let mean = pixel.worth_squares / (pixel.worth * pixel.worth);
+        let scale = (mean / contrast.scale).sqrt();
+        contrast.difference.map(|d| d * scale)
     }
 }

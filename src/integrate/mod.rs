@@ -7,6 +7,23 @@
 //! roulette) is in [`vertex`]; what is worth more than expected goes on in several ways ([`forks`]); what guided paths
 //! find is shared among pixels ([`reuse`]), and suns and lamps behind glass and in mirrors are aimed at ([`chain`]).
 //!
+//! # Decisions that rest on samples
+//!
+//! A decision must not share random numbers with what it decides about; otherwise the mean is biased.
+//! - Field, mixture fractions, chances of light samples and of aiming: learned in earlier iterations.
+//!   Each iteration has Sobol sequences of its own ([`start::Iteration`]).
+//! - Paths a pixel takes ([`adaptive`]): told by earlier iterations, too. An iteration counts in each
+//!   pixel for a number of samples that is fixed before it begins.
+//! - Roulette and splitting: go by the field and by what the path has met so far, and make up for their
+//!   chances; what comes behind is not known to them.
+//! - Whether guiding pays ([`trial`]): told by paths that are thrown away.
+//! - Groups for sharing ([`reuse`]): drawn by the numbers of pixel and sample alone.
+//! - When to stop ([`render::Limits`]): `--noise` and `--time` look at the samples that are kept. That is
+//!   optional stopping. A pixel's share in the noise, or the time, of the whole image is small, and so is
+//!   what it can do to its own mean.
+//!
+//! tests/unbiased.rs holds each of them to the mean of hundreds of small renders.
+//!
 //! Each sample's numbers come from `(seed, pixel, sample)` alone and each pixel's sum is taken in sample
 //! order, so neither the tiles nor the threads can change a bit of the image.
 

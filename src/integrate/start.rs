@@ -87,12 +87,10 @@ impl Part<'_> {
             }
             None => (sample..sample + 1, self.from, 1.0),
         };
-        let from = self.from;
         paths.zip(0..).map(move |(path, way)| Start {
             pixel,
             sample,
             way,
-            sequence: from,
             path: PathNumber {
                 begin,
                 number: path,
@@ -133,8 +131,6 @@ pub struct Start {
     way: u32,
     /// Its number among all of the pixel's paths.
     pub path: PathNumber,
-    /// First sample of the image in its Sobol sequence.
-    sequence: u64,
     /// Its weight by the filter.
     pub weight: f32,
     /// How many samples it is worth.
@@ -183,7 +179,6 @@ pub fn add(tile: &mut Tile, outcomes: &[Outcome], starts: &[Start]) {
             radiance: outcome.radiance,
             weight: start.weight,
             worth: start.worth,
-            sequence: start.sequence,
             albedo: outcome.first.albedo,
             normal: outcome.first.normal,
             depth: outcome.first.depth,

@@ -4,7 +4,7 @@ use crate::film::{Late, Pixel, Tile};
 use xxhash_rust::xxh3::Xxh3;
 
 /// What is stored of a pixel. EXR sorts channels by name: so is this list, and `.high` stays before `.low`.
-pub const PIXEL: [&str; 25] = [
+pub const PIXEL: [&str; 24] = [
     "albedo.b",
     "albedo.g",
     "albedo.r",
@@ -14,7 +14,6 @@ pub const PIXEL: [&str; 25] = [
     "late.from",
     "late.g",
     "late.r",
-    "late.sequence",
     "late.worth",
     "late.worth_squares",
     "met",
@@ -62,31 +61,8 @@ pub fn of_pixel(p: &Pixel) -> PixelNumbers {
     let [lr, lg, lb] = late.radiance.map(f64::to_bits);
     let [late_worth, late_ws] = [late.worth, late.worth_squares].map(f64::to_bits);
     [
-        ab,
-        ag,
-        ar,
-        p.count,
-        depth,
-        lb,
-        late.from,
-        lg,
-        lr,
-        late.sequence,
-        late_worth,
-        late_ws,
-        p.met,
-        nx,
-        ny,
-        nz,
-        rb,
-        rg,
-        rr,
-        sb,
-        sg,
-        sr,
-        weight,
-        worth,
-        ws,
+        ab, ag, ar, p.count, depth, lb, late.from, lg, lr, late_worth, late_ws, p.met, nx, ny, nz,
+        rb, rg, rr, sb, sg, sr, weight, worth, ws,
     ]
 }
 
@@ -94,22 +70,21 @@ pub fn of_pixel(p: &Pixel) -> PixelNumbers {
 pub fn to_pixel(n: &PixelNumbers) -> Pixel {
     let real = |i: usize| f64::from_bits(n[i]);
     Pixel {
-        radiance: [real(18), real(17), real(16)],
-        squares: [real(21), real(20), real(19)],
-        weight: real(22),
-        worth: real(23),
-        worth_squares: real(24),
+        radiance: [real(17), real(16), real(15)],
+        squares: [real(20), real(19), real(18)],
+        weight: real(21),
+        worth: real(22),
+        worth_squares: real(23),
         count: n[3],
         albedo: [real(2), real(1), real(0)],
-        normal: [real(13), real(14), real(15)],
+        normal: [real(12), real(13), real(14)],
         depth: real(4),
-        met: n[12],
+        met: n[11],
         late: Late {
             from: n[6],
             radiance: [real(8), real(7), real(5)],
-            worth: real(10),
-            worth_squares: real(11),
-            sequence: n[9],
+            worth: real(9),
+            worth_squares: real(10),
         },
     }
 }
