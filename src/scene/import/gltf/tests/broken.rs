@@ -143,7 +143,7 @@ fn numbers_out_of_range_are_told_and_brought_back() {
         file.load().warnings.join("\n")
     };
     assert_eq!(told(&|_| ()), "");
-    let cases: [(&str, Value, &str); 14] = [
+    let cases: [(&str, Value, &str); 13] = [
         (
             "/materials/0/pbrMetallicRoughness/roughnessFactor",
             json!(1.5),
@@ -163,11 +163,6 @@ fn numbers_out_of_range_are_told_and_brought_back() {
             "/materials/0/emissiveFactor",
             json!([3, 0, 0]),
             "above 1, and taken as it is",
-        ),
-        (
-            "/materials/0/emissiveFactor",
-            json!([1e300, 0, 0]),
-            "emissiveFactor",
         ),
         ("/materials/0/alphaMode", json!("BLENDED"), "none of OPAQUE"),
         (
