@@ -219,6 +219,9 @@ fn numbers_out_of_range_are_told_and_brought_back() {
     assert!(two.contains("scene 0 of 2"), "{two}");
 }
 
+/// What is done to a file.
+type Edit<'a> = &'a dyn Fn(&mut File);
+
 #[test]
 fn skins_that_make_no_sense_are_errors_or_told() {
     let with = |edit: &dyn Fn(&mut File)| {
@@ -240,7 +243,7 @@ fn skins_that_make_no_sense_are_errors_or_told() {
         (plain.warnings.len(), corners(&plain, 0)[0]),
         (0, Vec3::Y * 4.0)
     );
-    let errors: [(&dyn Fn(&mut File), &str); 3] = [
+    let errors: [(Edit, &str); 3] = [
         (&|f| f.json["nodes"][0]["skin"] = 3.into(), "no skin 3"),
         (
             &|f| f.json["skins"][0]["joints"] = json!([7]),
