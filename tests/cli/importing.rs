@@ -51,6 +51,8 @@ fn materials_of_obj_files_look_as_the_format_says() {
     // Red on the left, green on the right.
     let pixels = [[1.0, 0.0, 0.0].repeat(4), [0.0, 1.0, 0.0].repeat(4)].concat();
     image(&place, "two.exr", &["R", "G", "B"], &pixels);
+    // What a sheet of glass reflects at normal incidence, and what it lets into a medium of index 1.5.
+    let through = 0.04 + 0.96 / 2.25;
     let red = "newmtl m\nKd 0.8 0.1 0.1\nKs 0 0 0\n";
     for (name, mtl, expected) in [
         (
@@ -76,7 +78,7 @@ fn materials_of_obj_files_look_as_the_format_says() {
         (
             "clear glass",
             "newmtl m\nKd 0 0 0\nd 1\nillum 9\n".into(),
-            [1.0; 3],
+            [through; 3],
         ),
         (
             "a mark",
@@ -170,7 +172,7 @@ fn a_million_triangles_in_one_place_are_rendered_like_one() {
          property list uchar int vertex_indices\nend_header\n"
     )
     .into_bytes();
-    let corners = [[-1f32, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]];
+    let corners = [[-3f32, -3.0, 0.0], [3.0, -3.0, 0.0], [0.0, 3.0, 0.0]];
     ply.extend(corners.iter().flatten().flat_map(|x| x.to_le_bytes()));
     let mut face = vec![3u8];
     face.extend([0u32, 1, 2].iter().flat_map(|x| x.to_le_bytes()));

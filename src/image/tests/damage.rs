@@ -19,7 +19,12 @@ fn what_is_no_image_is_an_error_that_names_it() {
         "{e}"
     );
     let dir = tempfile::tempdir().unwrap();
-    assert!(read(dir.path()).unwrap_err().reason.contains("not a file"));
+    assert!(
+        read(dir.path())
+            .unwrap_err()
+            .reason
+            .contains("not a regular file")
+    );
     for name in ["a.exr", "a.png", "a.hdr", "a.tif", "a.jpg", "a"] {
         for bytes in [&b""[..], b"hello", &[0; 4000], &[0xff; 4000]] {
             let (_dir, path) = file(name, bytes);

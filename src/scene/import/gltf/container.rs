@@ -41,7 +41,7 @@ struct Allowance {
 }
 
 /// Most bytes that a file may unpack to, where nobody says how many.
-pub(super) const DECODED_LIMIT: u64 = 1 << 30;
+pub const DECODED_LIMIT: u64 = 1 << 30;
 /// How often the buffers may be unpacked whatever the limit.
 const TIMES: u64 = 100;
 

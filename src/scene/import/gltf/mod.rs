@@ -34,7 +34,8 @@ use super::{ImportError, ImportOptions};
 use crate::bsdf::MaterialId;
 use crate::math::DAffine3;
 use accessor::Accessors;
-use container::{Container, DECODED_LIMIT};
+use container::Container;
+pub use container::DECODED_LIMIT;
 use materials::{Finish, Variant};
 use schema::Document;
 use std::collections::HashMap;
@@ -48,6 +49,8 @@ pub struct GltfOptions {
     pub to_world: DAffine3,
     /// A material that takes the place of all the file's own.
     pub material: Option<MaterialId>,
+    /// Most bytes that the file may unpack to, if it is not large itself.
+    pub decoded_limit: u64,
 }
 
 /// Adds what is in the file `path` to `parts`.
@@ -61,7 +64,7 @@ pub fn load(
     options: &ImportOptions,
     parts: &mut Parts,
 ) -> Result<(), ImportError> {
-    let container = Container::open(path, DECODED_LIMIT)?;
+    let container = Container::open(path, gltf.decoded_limit)?;
     let mut importer = Importer {
         container: &container,
         options,

@@ -143,6 +143,7 @@ fn load_bytes(text: &[u8], to_world: &DAffine3, asked: Arc<Asked>) -> Result<Par
     let gltf = GltfOptions {
         to_world: *to_world,
         material: None,
+        decoded_limit: 16 << 20,
     };
     load(&path, &gltf, &ImportOptions::new(asked), &mut parts)?;
     Ok(parts)

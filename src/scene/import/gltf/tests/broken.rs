@@ -143,7 +143,7 @@ fn numbers_out_of_range_are_told_and_brought_back() {
         file.load().warnings.join("\n")
     };
     assert_eq!(told(&|_| ()), "");
-    let cases: [(&str, Value, &str); 14] = [
+    let cases: [(&str, Value, &str); 13] = [
         (
             "/materials/0/pbrMetallicRoughness/roughnessFactor",
             json!(1.5),
@@ -163,11 +163,6 @@ fn numbers_out_of_range_are_told_and_brought_back() {
             "/materials/0/emissiveFactor",
             json!([3, 0, 0]),
             "above 1, and taken as it is",
-        ),
-        (
-            "/materials/0/emissiveFactor",
-            json!([1e300, 0, 0]),
-            "emissiveFactor",
         ),
         ("/materials/0/alphaMode", json!("BLENDED"), "none of OPAQUE"),
         (
@@ -224,6 +219,9 @@ fn numbers_out_of_range_are_told_and_brought_back() {
     assert!(two.contains("scene 0 of 2"), "{two}");
 }
 
+/// What is done to a file.
+type Edit<'a> = &'a dyn Fn(&mut File);
+
 #[test]
 fn skins_that_make_no_sense_are_errors_or_told() {
     let with = |edit: &dyn Fn(&mut File)| {
@@ -245,7 +243,7 @@ fn skins_that_make_no_sense_are_errors_or_told() {
         (plain.warnings.len(), corners(&plain, 0)[0]),
         (0, Vec3::Y * 4.0)
     );
-    let errors: [(&dyn Fn(&mut File), &str); 3] = [
+    let errors: [(Edit, &str); 3] = [
         (&|f| f.json["nodes"][0]["skin"] = 3.into(), "no skin 3"),
         (
             &|f| f.json["skins"][0]["joints"] = json!([7]),
