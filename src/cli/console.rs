@@ -75,6 +75,8 @@ impl Console {
         let bars = self.bars.clone();
         let clear = move || {
             let _ = bars.clear();
+            // Nobody draws them again.
+            bars.set_draw_target(ProgressDrawTarget::hidden());
             let _ = sender.send(());
         };
         if std::thread::Builder::new().spawn(clear).is_ok() {

@@ -78,6 +78,8 @@ fn show(ended: &Receiver<()>, bar: Option<&ProgressBar>, text: impl Fn(f64) -> S
 }
 
 fn sentence(done: u64, records: Option<u64>, seconds: f64) -> String {
+    // A look at where paths go comes before, and counts as well.
+    let done = records.map_or(done, |all| done.min(all));
     let count = words::count(done as f64);
     let of = match records {
         Some(all) => format!("{count} of {}", words::count(all as f64)),

@@ -174,7 +174,7 @@ fn a_dead_terminal_alone_ends_nothing() {
 #[test]
 fn a_bar_fits_80_columns_and_is_gone_in_the_end() {
     let place = Place::new();
-    let words = "render scene.xml -o a.exr --guide double --photons 100000 --time 2s";
+    let words = "render scene.xml -o a.exr --time 3s";
     let (text, ran) = Terminal::start(&place, words, "xterm").rest();
     assert_eq!(ran.code, Some(0), "{text}");
     assert!(text.contains("spp") && text.contains('%'), "{text}");

@@ -23,13 +23,11 @@ fn numbers_that_are_none_or_negative_get_a_plain_error() {
         .run("compare a.exr -r b.exr --exposure nan")
         .fails(2, &["from -64 to 64"]);
     // In a scene, too: what is too large is not too small.
-    for (name, part) in [("sample_count", "at most 4294967295")] {
-        let scene = SCENE.replace("\"$spp\"", "\"4294967296\"");
-        assert!(scene.contains(name));
-        Place::with(&scene)
-            .run("check scene.xml")
-            .fails(2, &[name, part]);
-    }
+    let scene = SCENE.replace("\"$spp\"", "\"4294967296\"");
+    assert!(scene.contains("4294967296"));
+    Place::with(&scene)
+        .run("check scene.xml")
+        .fails(2, &["sample_count", "at most 4294967295"]);
 }
 
 #[test]
