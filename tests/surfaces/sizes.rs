@@ -11,7 +11,7 @@ use twintree::math::{Affine3A, Rgb, Vec3};
 use twintree::texture::{BitmapSettings, Filter, Texture, TextureStore, UvTransform, Wrap};
 
 /// A texture of waves with 64 by 64 texels, many of them across a surface.
-fn waves(dir: &Path, store: &TextureStore, value: impl Fn(f32, f32) -> [f32; 3]) -> Texture {
+fn waves(dir: &Path, store: &TextureStore, value: fn(f32, f32) -> [f32; 3]) -> Texture {
     let path = dir.join(format!("{}.exr", store.file_count()));
     exr::prelude::write_rgb_file(&path, 64, 64, |x, y| {
         let angle = |i: usize| i as f32 * (std::f32::consts::TAU / 64.0) * 4.0;
