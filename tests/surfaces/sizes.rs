@@ -45,8 +45,11 @@ fn metal(alpha: Texture) -> Material {
     }
 }
 
+/// Adds what a material consists of.
+type Make<'a> = &'a dyn Fn(&mut SceneMaker) -> Material;
+
 /// A wall of that material under a lamp from the side, `size` pixels wide.
-fn wall(size: u32, make: &dyn Fn(&mut SceneMaker) -> Material) -> Built {
+fn wall(size: u32, make: Make) -> Built {
     let eye = Vec3::new(0.0, -2.0, 3.0);
     let mut maker = SceneMaker::new(eye, Vec3::ZERO, 30.0, size);
     let material = make(&mut maker);
@@ -74,7 +77,7 @@ fn walls_are_as_bright_in_few_pixels_as_in_many() {
         [0.3 + 0.25 * (x.sin() * y.sin()).signum(); 3]
     });
     let under = |maker: &mut SceneMaker| maker.material(metal(grey(0.3)));
-    let cases: [(&str, &dyn Fn(&mut SceneMaker) -> Material); 3] = [
+    let cases: [(&str, Make); 3] = [
         ("bumps", &|maker| Material::BumpMap {
             displacement: heights.clone(),
             scale: 10.0,
