@@ -91,7 +91,7 @@ impl ExactShape {
         tmin: f32,
         tmax: f32,
     ) -> impl Iterator<Item = Crossing> + use<> {
-        let (kind, o, d) = (self.kind, self.to_unit(org), self.turned(dir));
+        let (kind, o, d) = (self.kind, self.unit_place(org), self.turned(dir));
         let accept = move |t: f64| {
             let t = t as f32;
             t >= tmin && t <= tmax
@@ -114,7 +114,7 @@ impl ExactShape {
 
     /// A place in unit space, relative to the shape's centre before it is transformed.
     #[inline]
-    fn to_unit(&self, p: Vec3) -> DVec3 {
+    fn unit_place(&self, p: Vec3) -> DVec3 {
         let center = Vec3::from(self.to_world.translation).as_dvec3();
         self.map(p.as_dvec3() - center)
     }

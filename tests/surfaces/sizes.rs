@@ -12,7 +12,7 @@ use twintree::math::{Affine3A, Rgb, Vec3};
 use twintree::texture::{BitmapSettings, Filter, Texture, TextureStore, UvTransform, Wrap};
 
 /// A texture of waves with 64 by 64 texels, many of them across a surface.
-fn waves(dir: &Path, store: &TextureStore, value: impl Fn(f32, f32) -> [f32; 3] + Sync) -> Texture {
+fn waves(dir: &Path, store: &TextureStore, value: fn(f32, f32) -> [f32; 3]) -> Texture {
     let path = dir.join(format!("{}.exr", store.file_count()));
     exr::prelude::write_rgb_file(&path, 64, 64, |x, y| {
         let angle = |i: usize| i as f32 * (std::f32::consts::TAU / 64.0) * 4.0;
@@ -46,8 +46,11 @@ fn metal(alpha: Texture) -> Material {
     }
 }
 
+/// Adds what a material consists of.
+type Make<'a> = &'a dyn Fn(&mut SceneMaker) -> Material;
+
 /// A wall of that material under a lamp from the side, `size` pixels wide.
-fn wall(size: u32, make: &dyn Fn(&mut SceneMaker) -> Material) -> Built {
+fn wall(size: u32, make: Make) -> Built {
     let eye = Vec3::new(0.0, -2.0, 3.0);
     let mut maker = SceneMaker::new(eye, Vec3::ZERO, 30.0, size);
     let material = make(&mut maker);
@@ -75,7 +78,7 @@ fn walls_are_as_bright_in_few_pixels_as_in_many() {
         [0.3 + 0.25 * (x.sin() * y.sin()).signum(); 3]
     });
     let under = |maker: &mut SceneMaker| maker.material(metal(grey(0.3)));
-    let cases: [(&str, &dyn Fn(&mut SceneMaker) -> Material); 3] = [
+    let cases: [(&str, Make); 3] = [
         ("bumps", &|maker| Material::BumpMap {
             displacement: heights.clone(),
             scale: 10.0,

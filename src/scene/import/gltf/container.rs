@@ -40,8 +40,6 @@ struct Allowance {
     most: u64,
 }
 
-/// Most bytes that a file may unpack to, where nobody says how many.
-pub const DECODED_LIMIT: u64 = 1 << 30;
 /// How often the buffers may be unpacked whatever the limit.
 const TIMES: u64 = 100;
 

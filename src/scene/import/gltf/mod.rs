@@ -35,7 +35,6 @@ use crate::bsdf::MaterialId;
 use crate::math::DAffine3;
 use accessor::Accessors;
 use container::Container;
-pub use container::DECODED_LIMIT;
 use materials::{Finish, Variant};
 use schema::Document;
 use std::collections::HashMap;
