@@ -174,7 +174,7 @@ fn files_of_other_programs_are_named_wherever_they_are_given() {
         let file = if name == "sky.exr" { "scene.xml" } else { name };
         place.run(&format!("check {file}")).fails(2, &[name, words]);
     }
-    let ran = place.run("compare sky.exr sky.exr");
+    let ran = place.run("compare sky.exr -r sky.exr");
     ran.fails(2, &["sky.exr", "git lfs pull"]);
 }
 
