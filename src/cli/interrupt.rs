@@ -22,7 +22,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Signals that come so soon after the first are the same request.
-const ONE_REQUEST: Duration = Duration::from_millis(500);
+const ONE_REQUEST: Duration = Duration::from_millis(150);
 
 /// What the user asked for by signals.
 #[derive(Clone, Debug, Default)]

@@ -213,9 +213,9 @@ impl Observer for Watch<'_> {
 
     fn should_pause(&self) -> bool {
         let due = self.done.checkpoint.is_some_and(|c| c.is_due());
-        // An image is written once there is one.
-        let there = self.done.checkpoint.is_some() || self.samples.load(Ordering::Relaxed) > 0;
-        due || there && self.interrupt.save_requested()
+        // Before the first sample there is nothing to save.
+        let there = self.samples.load(Ordering::Relaxed) > 0;
+        there && (due || self.interrupt.save_requested())
     }
 
     fn paused(&self, spent: &Spent, film: &Film) {
