@@ -3,6 +3,7 @@
 pub mod area;
 pub mod build;
 pub mod description;
+mod exact;
 pub mod fingerprint;
 pub mod import;
 pub mod precautions;

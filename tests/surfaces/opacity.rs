@@ -88,7 +88,7 @@ fn a_masked_lamp_lights_as_a_whole_one_does() {
             max_depth: 2,
             ..settings()
         };
-        maker.build(Backend::default()).mean(&path, 256)
+        maker.build(Backend::default()).mean(&path, 1024)
     };
     let (whole, whole_error) = mean(None);
     for opacity in [0.3, 0.7] {

@@ -63,12 +63,12 @@ fn expect(what: &str, scene: &Scene, (from, to): (Vec3, Vec3), side: Seen, both_
     let density = lights.pdf_area(from, Vec3::ZERO, emitter, point.prim, point.p, point.ng);
     assert_eq!(density > 0.0, glows, "{what}: density");
     let mut rng = Pcg32::new(7, 1);
-    for _ in 0..64 {
-        let u = [(); 3].map(|()| rng.next_f32());
-        let sample = lights.sample(from, Vec3::ZERO, u);
-        let bright = sample.is_some_and(|s| lights.radiance(&s.incoming).max_element() > 0.0);
-        assert_eq!(bright, glows, "{what}: light sample");
-    }
+    let bright = (0..64).filter(|_| {
+        let sample = lights.sample(from, Vec3::ZERO, [(); 3].map(|()| rng.next_f32()));
+        sample.is_some_and(|s| lights.radiance(&s.incoming).max_element() > 0.0)
+    });
+    // Of a stretched ball some samples fall on the side that is turned away.
+    assert_eq!(bright.count() > 0, glows, "{what}: light samples");
 }
 
 /// Photons leave to the front; to both sides alike if both glow. `front` points to its side of a place.
