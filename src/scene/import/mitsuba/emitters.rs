@@ -146,7 +146,9 @@ impl<'a> Importer<'a> {
     }
 
     fn sun_sky(&mut self, p: &Params<'a>) -> Result<Emitter, ImportError> {
-        let modern = p.dialect() == Dialect::Modern;
+        // `sun_aperture` is Mitsuba 3's alone: scenes of 0.x that were changed for Mitsuba 3 by hand often
+        // keep their version, and Mitsuba 3 reads them all the same.
+        let modern = p.dialect() == Dialect::Modern || p.has("sun_aperture");
         // 0.x bakes the sky into an image of that resolution; here it is evaluated as it is.
         p.ignore(&["resolution"]);
         for (name, what) in [

@@ -346,6 +346,13 @@ fn skies_have_their_dialects_conventions() {
     };
     assert!(settings.z_up && (settings.sun_radius_degrees - 1.0).abs() < 1e-6);
     assert_eq!(settings.albedo, Rgb::splat(0.3));
+    // Mitsuba 3 turns it alike whatever the scene's version says, and 0.x knows no such parameter.
+    let mixed =
+        stage.classic("<emitter type='sunsky'><float name='sun_aperture' value='2'/></emitter>");
+    let Emitter::SunSky { settings: same, .. } = &mixed.emitters[0] else {
+        panic!()
+    };
+    assert_eq!(same, settings);
 }
 
 #[test]
