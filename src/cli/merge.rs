@@ -210,6 +210,7 @@ fn measure(parts: &[Known], film: &Film, partial: bool) -> Stats {
         rays_per_second: per_second(rays),
         noise: noise.map(|n| n.value),
         noise_error: noise.map(|n| n.error),
+        noise_worst: noise.map(|n| n.worst),
         invalid_samples: film.invalid_samples(),
         load_seconds: 0.0,
         build_seconds: 0.0,

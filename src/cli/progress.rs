@@ -303,7 +303,11 @@ mod tests {
     fn the_limit_that_comes_first_tells_how_far_things_are() {
         let limits = |spp, time, noise| Limits { spp, time, noise };
         let done = |limits: Limits, noise: Option<f32>| {
-            let noise = noise.map(|value| Noise { value, error: 0.0 });
+            let noise = noise.map(|value| Noise {
+                value,
+                error: 0.0,
+                worst: 0.0,
+            });
             fraction_done(&limits, 100, 1000, Duration::from_secs(30), noise)
         };
         let minute = Some(Duration::from_secs(60));

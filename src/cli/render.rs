@@ -270,6 +270,7 @@ fn measure(
         rays_per_second: summary.rays as f64 / seconds,
         noise: summary.noise.map(|n| n.value),
         noise_error: summary.noise.map(|n| n.error),
+        noise_worst: summary.noise.map(|n| n.worst),
         invalid_samples: film.invalid_samples(),
         load_seconds: 0.0,
         build_seconds: 0.0,

@@ -30,8 +30,10 @@ pub const FLOOR: f64 = 0.01;
 const WINDOW: usize = 9;
 /// Share of the numbers, the brightest, that do not count for the image's mean: a speck fills a window.
 const SPECKS: f64 = 0.02;
-/// The estimate is called unreliable when its own relative error is above this.
+/// The estimate is called unreliable when its own relative error is above this,
 const MOST_ERROR: f32 = 0.2;
+/// or when the terms left out have more than this share of the variance.
+const MOST_WORST: f32 = 0.5;
 
 /// The noise of a film.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -41,6 +43,8 @@ pub struct Noise {
     /// Standard error of the value, as a share of it. It is large where a few pixels have most of the
     /// variance: the light that they have met is missing in others.
     pub error: f32,
+    /// Share of the variance that the terms have which are left out.
+    pub worst: f32,
 }
 
 impl Noise {
@@ -51,7 +55,7 @@ impl Noise {
 
     /// Whether the value can be relied on.
     pub fn is_reliable(&self) -> bool {
-        self.error <= MOST_ERROR
+        self.error <= MOST_ERROR && self.worst <= MOST_WORST
     }
 }
 
@@ -88,15 +92,19 @@ impl Film {
         } else {
             0.0
         };
+        let all: f64 = terms.iter().map(|term| f64::from(*term)).sum();
+        let worst = if all > 0.0 { 1.0 - sum / all } else { 0.0 };
         Some(Noise {
             value,
             error: error as f32,
+            worst: worst as f32,
         })
     }
 
     /// The terms of the mean, tile by tile.
     fn relative_variances(&self) -> Vec<f32> {
-        let variances = self.variances();
+        // Trimming is to find specks: pixels' own variances, which neighbours do not share.
+        let variances = self.own_variances();
         let values: [Vec<f32>; 3] = std::array::from_fn(|c| {
             let image = self.row_by_row(|_, pixel| pixel.mean()[c]);
             self.smoothed(&image, &[1.0; WINDOW])
@@ -107,10 +115,11 @@ impl Film {
         for tile in &self.tiles {
             for (i, pixel) in tile.pixels.iter().enumerate() {
                 let at = self.row_major(tile.place(i));
-                let (own, variance) = (pixel.mean(), variances.of(at).map(f64::from));
+                let own = pixel.mean();
                 terms.extend((0..3).map(|c| {
-                    let value = shrunk(own[c], f64::from(values[c][at]), variance[c]);
-                    relative(variance[c], value, floor)
+                    let variance = f64::from(variances[c][at]);
+                    let value = shrunk(own[c], f64::from(values[c][at]), variance);
+                    relative(variance, value, floor)
                 }));
             }
         }

@@ -101,14 +101,20 @@ impl Ratios {
 impl Film {
     /// The variances of its pixels. Takes some passes over the film.
     pub fn variances(&self) -> Variances {
-        let linked = self.linked();
-        let channels = std::array::from_fn(|c| {
-            let own = self.row_by_row(|tile, pixel| pixel.variance_of_mean()[c] * linked[tile]);
-            let around = self.smoothed(&own, &SMOOTH);
-            let both = own.iter().zip(around);
-            both.map(|(own, around)| 0.5 * (own + around)).collect()
-        });
+        let mut channels = self.own_variances();
+        for own in &mut channels {
+            let around = self.smoothed(own, &SMOOTH);
+            for (own, around) in own.iter_mut().zip(around) {
+                *own = 0.5 * (*own + around);
+            }
+        }
         Variances { channels }
+    }
+
+    /// What each pixel's own samples tell of the variance of its mean, channel by channel, row by row.
+    pub(super) fn own_variances(&self) -> [Vec<f32>; 3] {
+        let linked = self.linked();
+        [0, 1, 2].map(|c| self.row_by_row(|tile, pixel| pixel.variance_of_mean()[c] * linked[tile]))
     }
 
     /// Variance of the mean over that of independent samples, tile by tile.

@@ -40,6 +40,8 @@ pub struct Stats {
     pub noise: Option<f32>,
     /// Standard error of the noise, as a share of it: large where a few pixels have most of the variance.
     pub noise_error: Option<f32>,
+    /// Share of the variance that the noisiest 0.1 % of the numbers have, which the noise leaves out.
+    pub noise_worst: Option<f32>,
     /// Samples dropped because they were not finite.
     pub invalid_samples: u64,
     /// Reading the scene and its meshes.
