@@ -2,7 +2,7 @@
 //! the render's own samples: which field, which mixture fractions, how many paths a pixel takes, what is
 //! shared, when to stop.
 //!
-//! The scene is black but for bright patches that fill an eighth of every fourth pixel. What the first
+//! The scene is black but for bright patches that fill a quarter of every fourth pixel. What the first
 //! samples of a pixel have found then decides most strongly about the later ones. With [`RENDERS`] seeds the
 //! standard error is below 0.3 % of the mean, so that a bias of 1 % is found at 3.3 of them.
 
@@ -20,7 +20,7 @@ use twintree::math::{Affine3A, Vec3};
 use twintree::scene::description::SamplerKind;
 
 /// Renders of each kind.
-const RENDERS: u64 = 300;
+const RENDERS: u64 = 160;
 /// Side of the image in pixels.
 const SIZE: u32 = 32;
 
@@ -41,9 +41,9 @@ fn patches() -> Built {
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for i in 0..SIZE * SIZE / 4 {
         let [x, y] = [i % (SIZE / 2), i / (SIZE / 2)].map(|k| pixel * (2 * k) as f32 - 0.979);
-        let [x, y] = [x + 0.3 * pixel, y + 0.3 * pixel];
+        let [x, y] = [x + 0.25 * pixel, y + 0.25 * pixel];
         let first = positions.len() as u32;
-        for [u, v] in [[0.0, 0.0], [0.0, 0.35], [0.35, 0.35], [0.35, 0.0]] {
+        for [u, v] in [[0.0, 0.0], [0.0, 0.5], [0.5, 0.5], [0.5, 0.0]] {
             positions.push(Vec3::new(x + u * pixel, y + v * pixel, 0.979));
         }
         triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t| t.map(|k| first + k)));
@@ -85,7 +85,7 @@ fn truth() -> (f64, f64) {
             };
             film_mean(&scene.render(&path, 512).0).0
         };
-        mean_of(&(1..=16).map(render).collect::<Vec<f64>>())
+        mean_of(&(1..=8).map(render).collect::<Vec<f64>>())
     })
 }
 
@@ -139,7 +139,6 @@ fn with_all_that_is_on_by_default() {
         ..settings(SamplerKind::Sobol)
     };
     check(&path, samples(16));
-    check(&path, samples(64));
 }
 
 #[test]
@@ -149,16 +148,14 @@ fn with_samples_spread_by_noise() {
             adaptive: true,
             ..settings(sampler)
         };
-        check(&path, samples(16));
+        // 20 end within a block of the shares.
         check(&path, samples(20));
     }
 }
 
 #[test]
 fn with_a_field_that_the_image_teaches() {
-    for sampler in [SamplerKind::Sobol, SamplerKind::Independent] {
-        check(&settings(sampler), samples(8));
-    }
+    check(&settings(SamplerKind::Sobol), samples(16));
 }
 
 #[test]
