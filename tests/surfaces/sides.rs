@@ -67,7 +67,7 @@ fn expect(what: &str, scene: &Scene, (from, to): (Vec3, Vec3), side: Seen, both_
         let sample = lights.sample(from, Vec3::ZERO, [(); 3].map(|()| rng.next_f32()));
         sample.is_some_and(|s| {
             let shadow = Ray {
-                tmax: s.distance * 0.999,
+                tmax: s.distance * 0.999_99,
                 ..Ray::new(from, s.dir)
             };
             let bright = lights.radiance(&s.incoming).max_element() > 0.0;
