@@ -99,6 +99,7 @@ fn taught(built: &Built, photons: u64, paths: u64, model: ModelKind) -> Learned 
         batches: 6,
         memory: 32 << 20,
         mixture: None,
+        trial: true,
         photon: PhotonSettings {
             max_bounces: 8,
             roulette_after: 3,

@@ -67,6 +67,14 @@ pub struct GuideArgs {
         help_heading = "Guiding"
     )]
     pub adaptive: Adaptive,
+    /// Whether a short trial tells if a field that is learned pays, and ends guiding where it does not
+    #[arg(
+        long,
+        value_name = "WHEN",
+        default_value = "auto",
+        help_heading = "Guiding"
+    )]
+    pub trial: Trial,
 }
 
 impl GuideArgs {
@@ -108,6 +116,15 @@ pub enum Adaptive {
     /// Where camera paths teach a field: their noise tells which pixels need more
     Auto,
     /// Never: each takes as many
+    Never,
+}
+
+/// Whether guiding is tried.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Trial {
+    /// While the field is learned, and guiding ends where it does not pay
+    Auto,
+    /// Never: paths are guided to the end
     Never,
 }
 

@@ -56,6 +56,8 @@ pub struct LearnSettings {
     pub model: ModelKind,
     /// Share of the directions that are drawn from the field everywhere; `None` learns it.
     pub mixture: Option<f32>,
+    /// Whether guiding may turn out not to pay, and end.
+    pub trial: bool,
 }
 
 /// What learning came to.
@@ -79,6 +81,7 @@ pub struct Learner {
     trainer: Trainer,
     guide: Guide,
     mixture: Option<f32>,
+    trial: bool,
     paths: u64,
     taught: u64,
     counts: PhotonCounts,
@@ -124,6 +127,7 @@ impl Learner {
             guide,
             trainer,
             mixture: settings.mixture,
+            trial: settings.trial,
             paths: settings.paths,
             taught: 0,
             counts,
@@ -155,7 +159,7 @@ impl Learner {
 
     /// Takes note of whether guiding pays.
     pub fn judge(&mut self, verdict: Verdict) {
-        self.verdict = Some(verdict);
+        self.verdict = Some(verdict).filter(|_| self.trial);
     }
 
     /// Tries how often aiming at suns and lamps pays, where no pass of an image will.
