@@ -236,7 +236,7 @@ pub fn describe(learner: &Learner) {
     if !verdict.pays() {
         tracing::info!(
             "guiding would take {work:.1} times the work here: it was stopped after {} samples a pixel",
-            trial::AFTER
+            verdict.after
         );
     } else if verdict.is_ahead() {
         tracing::info!("guiding takes {work:.2} of the work");

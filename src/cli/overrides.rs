@@ -1,9 +1,7 @@
 //! What the command line changes about a scene.
 
 use super::args::{LightArgs, PictureArgs, RFilter, RenderArgs, Sampler, StopArgs};
-use super::field_args::{
-    Adaptive, Aim, GuideArgs, GuideModel, LearnArgs, RouletteBy, Teachers,
-};
+use super::field_args::{Adaptive, Aim, GuideArgs, GuideModel, LearnArgs, RouletteBy, Teachers};
 use super::{Failure, memory};
 use crate::film::filter::Filter;
 use crate::film::{FilmDescription, Pixel};
@@ -183,7 +181,8 @@ pub fn photons_for(args: &LearnArgs, film: &FilmDescription, limits: &Limits) ->
 
 /// As many photons as an image is worth.
 pub fn photons_as_needed(film: &FilmDescription, limits: &Limits) -> Budget {
-    let pixels = u64::from(film.width) * u64::from(film.height);
+    let [x0, y0, x1, y1] = film.crop.unwrap_or([0, 0, film.width, film.height]);
+    let pixels = u64::from(x1 - x0) * u64::from(y1 - y0);
     let spp = match limits.spp {
         u64::MAX if limits.time.is_none() => ENDLESS_SPP,
         spp => spp,

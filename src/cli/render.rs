@@ -124,6 +124,7 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<(), Failure> {
         track.finish(&film, &summary, &mut stats);
     }
     stats.field = guiding.learner.as_ref().map(Learner::stats);
+    stats.learning_memory_bytes = guiding.learner.as_ref().map_or(0, Learner::peak_bytes);
     stats.trial = guiding.learner.as_ref().and_then(Learner::verdict);
     tracing::info!("{}", stats.sentence());
     invalid::warn(&film);
@@ -256,6 +257,7 @@ fn measure(
         build_seconds: 0.0,
         train_seconds: 0.0,
         field_memory_bytes: 0,
+        learning_memory_bytes: 0,
         render_seconds: summary.elapsed.as_secs_f64(),
         write_seconds: 0.0,
         peak_memory_bytes: None,
