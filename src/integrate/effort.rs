@@ -25,11 +25,11 @@ const LESSON: f64 = 900.0;
 const RAYS_A_VERTEX: f64 = 2.0;
 
 /// What photons may take of the work to come before it is known whether guiding pays, and in all.
-pub const PHOTONS: [f64; 2] = [0.02, 0.06];
+pub const PHOTONS: [f64; 2] = [0.01, 0.06];
 /// What learning from the samples of one pass may take of it before that.
 pub const LESSONS: f64 = 0.007;
 /// What each of a trial's two ways may take of the image's samples.
-pub const TRIAL: f64 = 0.006;
+pub const TRIAL: f64 = 0.012;
 
 /// Cost of a path with so many rays.
 pub fn path(rays: f64) -> f64 {

@@ -1,15 +1,20 @@
 //! Learning the field: from photons before rendering, then from camera paths.
 //!
-//! Photons come first, in batches (see [`crate::photon::schedule`]). Camera paths guided by what is known so far then teach the rest, above all what the
-//! camera sees and photons hardly reach. They are samples of the image like any other: whoever renders
-//! hands the [`Lessons`] of its first passes to a [`Learner`] and renders the next pass with what that
+//! Photons come first, in batches (see [`crate::photon::schedule`]). Camera paths guided by what is known so far then
+//! teach the rest, above all what the camera sees and photons hardly reach. They are samples of the image like any other:
+//! whoever renders hands the [`Lessons`] of its first passes to a [`Learner`] and renders the next pass with what that
 //! has learned ([`super::render`] does). [`learn`] makes paths of its own, for a field without an image.
+//!
+//! Until a trial ([`super::trial`]) has told that guiding pays, photons and pupils are so few that learning takes about a
+//! twentieth of the work to come. (When photons were as many as the image has samples, `scenes/furnace` and
+//! `scenes/materials` took 1.3 to 1.6 times the processor seconds of an unguided render, at 64 samples as at 256,
+//! though guiding ended after four.) Memory is bounded, too: batches are as large as the trees leave room for.
 
 use super::chain::Aiming;
 use super::effort::Effort;
 use super::guiding::Guide;
 use super::importance;
-use super::learn_photons::{Helping, LEAST_ROOM, PhotonLessons, ROUNDS, room};
+use super::learn_photons::{Helping, PhotonLessons, ROUNDS, prepare, room};
 use super::record::{Lessons, Records};
 use super::render::View;
 use super::trial::{self, Verdict};
@@ -17,8 +22,7 @@ use super::vertex::Walk;
 use super::wave::Wave;
 use crate::camera::CameraRay;
 use crate::guide::{
-    Field, FractionRecord, Fractions, GuideError, ModelKind, PathSample, Settings, Source, Stats,
-    SurfacePoint, Trainer,
+    Field, FractionRecord, Fractions, GuideError, ModelKind, PathSample, Stats, Trainer,
 };
 use crate::math::{PathSampler, Vec2};
 use crate::photon::schedule::{Budget, doubling};
@@ -30,10 +34,6 @@ use std::time::{Duration, Instant};
 
 /// Camera paths in a wave.
 const WAVE_PATHS: u64 = 4096;
-/// Points that measure the area inside cells, at most; at least a sixty-fourth of that.
-const AREA_POINTS: usize = 1 << 20;
-/// A small image has one for so many of its samples: its field has few cells.
-const SAMPLES_A_POINT: u64 = 16;
 /// Bytes of a vertex of a path that teaches, before and after it was learned from.
 const VERTEX_BYTES: u64 = (size_of::<PathSample>() + size_of::<FractionRecord>()) as u64 + 16;
 /// Most paths of a pass that teach. What more of them tell is not worth the time.
@@ -290,9 +290,13 @@ pub fn learn(view: &View, settings: &LearnSettings) -> Result<Learned, GuideErro
     let start = Instant::now();
     let mut learner = Learner::new(view, settings)?;
     for paths in doubling(settings.paths, settings.batches) {
-        let count = paths.end - paths.start;
-        let mut lessons = lessons(view, Some(learner.guide()), paths);
-        learner.take(&mut lessons, count);
+        let mut from = paths.start;
+        while from < paths.end {
+            let to = (from + learner.most_pupils()).min(paths.end);
+            let mut lessons = lessons(view, Some(learner.guide()), from..to);
+            learner.take(&mut lessons, to - from);
+            from = to;
+        }
     }
     Ok(Learned {
         stats: learner.stats(),
@@ -301,46 +305,6 @@ pub fn learn(view: &View, settings: &LearnSettings) -> Result<Learned, GuideErro
         trainer: learner.trainer,
         elapsed: start.elapsed(),
     })
-}
-
-/// Points for a field that is learned from so many photons.
-fn area_points(photons: Budget) -> usize {
-    let Budget::AsNeeded { samples, .. } = photons else {
-        return AREA_POINTS;
-    };
-    let points = usize::try_from(samples / SAMPLES_A_POINT).unwrap_or(AREA_POINTS);
-    points.clamp(AREA_POINTS / 64, AREA_POINTS)
-}
-
-/// A trainer that knows the scene's bounds and how much surface lies where.
-fn prepare(scene: &Scene, settings: &LearnSettings) -> Result<Trainer, GuideError> {
-    let bounds = scene.rays.bounds();
-    let mut guide_settings = Settings::new(bounds.min, bounds.max);
-    // The rest is for the records.
-    guide_settings.memory = settings.memory - settings.memory / LEAST_ROOM;
-    guide_settings.seed = settings.photon.seed;
-    guide_settings.model = settings.model;
-    guide_settings.source = match (settings.photons.is_none(), settings.paths) {
-        (true, _) => Source::Paths,
-        (_, 0) => Source::Photons,
-        _ => Source::Both,
-    };
-    // Thin walls, lit from one side, are everywhere in real scenes.
-    guide_settings.normal_split = true;
-    let mut trainer = Trainer::build(guide_settings)?;
-    if settings.photons.is_none() {
-        return Ok(trainer);
-    }
-    let (points, area) = scene.area_points(area_points(settings.photons), settings.photon.seed);
-    // Light lands on either side of a surface.
-    let sides = points.iter().flat_map(|p| {
-        [p.normal, -p.normal].map(|normal| SurfacePoint {
-            position: p.position,
-            normal,
-        })
-    });
-    trainer.set_surface(&sides.collect::<Vec<_>>(), 2.0 * area);
-    Ok(trainer)
 }
 
 /// Traces camera paths, in waves side by side; the lessons of each, in order. Path `i` of a film of

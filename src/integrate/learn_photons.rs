@@ -5,8 +5,8 @@
 
 use super::effort::{self, Effort};
 use super::learn::LearnSettings;
-use crate::guide::{BATCH, Photon, Trainer};
-use crate::photon::schedule::{Experience, Schedule, part};
+use crate::guide::{BATCH, GuideError, Photon, Settings, Source, SurfacePoint, Trainer};
+use crate::photon::schedule::{Budget, Experience, Schedule, part};
 use crate::photon::wave::PhotonWave;
 use crate::photon::{Landing, PhotonCounts};
 use crate::scene::Scene;
@@ -16,13 +16,17 @@ use std::time::Instant;
 
 /// Rounds of refining after a batch.
 pub(super) const ROUNDS: u32 = 4;
+/// Points that measure the area inside cells, at most; at least a sixty-fourth of that.
+const AREA_POINTS: usize = 1 << 20;
+/// A small image has one for so many of its samples: its field has few cells.
+const SAMPLES_A_POINT: u64 = 16;
 /// Photons in a wave: one task.
 const WAVE_PHOTONS: u64 = 8192;
 /// Bytes of a landing: it waits to be learned from, or as it was learned from.
 const LANDING_BYTES: u64 = 100;
 
 /// Of the memory one part in so many is kept for records, whatever the trees take.
-pub(super) const LEAST_ROOM: u64 = 2;
+const LEAST_ROOM: u64 = 2;
 
 /// How far photons go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -109,6 +113,46 @@ impl PhotonLessons {
 pub(super) fn room(settings: &LearnSettings, trainer: &Trainer) -> u64 {
     let least = settings.memory / LEAST_ROOM;
     settings.memory.saturating_sub(trainer.bytes()).max(least)
+}
+
+/// Points for a field that is learned from so many photons.
+fn area_points(photons: Budget) -> usize {
+    let Budget::AsNeeded { samples, .. } = photons else {
+        return AREA_POINTS;
+    };
+    let points = usize::try_from(samples / SAMPLES_A_POINT).unwrap_or(AREA_POINTS);
+    points.clamp(AREA_POINTS / 64, AREA_POINTS)
+}
+
+/// A trainer that knows the scene's bounds and how much surface lies where.
+pub(super) fn prepare(scene: &Scene, settings: &LearnSettings) -> Result<Trainer, GuideError> {
+    let bounds = scene.rays.bounds();
+    let mut guide_settings = Settings::new(bounds.min, bounds.max);
+    // The rest is for the records.
+    guide_settings.memory = settings.memory - settings.memory / LEAST_ROOM;
+    guide_settings.seed = settings.photon.seed;
+    guide_settings.model = settings.model;
+    guide_settings.source = match (settings.photons.is_none(), settings.paths) {
+        (true, _) => Source::Paths,
+        (_, 0) => Source::Photons,
+        _ => Source::Both,
+    };
+    // Thin walls, lit from one side, are everywhere in real scenes.
+    guide_settings.normal_split = true;
+    let mut trainer = Trainer::build(guide_settings)?;
+    if settings.photons.is_none() {
+        return Ok(trainer);
+    }
+    let (points, area) = scene.area_points(area_points(settings.photons), settings.photon.seed);
+    // Light lands on either side of a surface.
+    let sides = points.iter().flat_map(|p| {
+        [p.normal, -p.normal].map(|normal| SurfacePoint {
+            position: p.position,
+            normal,
+        })
+    });
+    trainer.set_surface(&sides.collect::<Vec<_>>(), 2.0 * area);
+    Ok(trainer)
 }
 
 /// Traces a batch, in waves side by side; the landings of each, in photon order.

@@ -8,7 +8,7 @@
 //! error, relative to the tile, times what a path costs (see [`super::effort`]).
 //!
 //! The worst pixels count, too, but none for more than chance may give it: a pixel's error is cut at the mean
-//! of the others times the root of their number, the same for both ways.
+//! of the others times the cube root of their number, the same for both ways.
 //!
 //! A few samples say little about a sampler that finds a caustic once in ten thousand: it looks clean
 //! until then. So guiding is stopped only where there is nothing to be afraid of: where the worst pixels do not
@@ -330,10 +330,12 @@ fn tail(values: &mut [f64]) -> f64 {
     trimmed(values).1
 }
 
-/// What a pixel counts for at most: the mean of both ways' pixels without the worst, times the root of their number.
+/// What a pixel counts for at most: the mean of both ways' pixels without the worst, times the cube root of their number.
+/// (With the square root of two thousand, the errors of an office by two ways that differ by a tenth came out as 0.105 and
+/// 0.173 instead of 0.19 and 0.19.)
 fn most(guided: &[f64], unguided: &[f64]) -> f64 {
     let mut all: Vec<f64> = guided.iter().chain(unguided).copied().collect();
-    let root = (all.len() as f64).sqrt();
+    let root = (all.len() as f64).cbrt();
     trimmed(&mut all).0 * root
 }
 
