@@ -179,11 +179,8 @@ impl Learner {
     pub fn most_pupils(&self) -> u64 {
         let bytes = VERTEX_BYTES as f64 * self.vertices;
         let most = (room(&self.settings, &self.trainer) as f64 / bytes) as u64;
-        let most = match self.verdict.is_none() && self.settings.trial {
-            true => most.min(self.effort.pupils()),
-            false => most,
-        };
-        most.clamp(1, MOST_PUPILS)
+        let sure = self.verdict.is_some() || !self.settings.trial;
+        most.min(self.effort.pupils(sure)).clamp(1, MOST_PUPILS)
     }
 
     /// Takes note of whether guiding pays. If it does, the rest of the photons teach.

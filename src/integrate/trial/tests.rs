@@ -53,10 +53,11 @@ fn guiding_stops_where_it_is_beaten_unless_light_is_missed() {
         after: 4,
         again: false,
         guided: 1.0,
-        unguided: effort::guided_path(5.0) / effort::path(5.0),
+        unguided: effort::guided_path(5.0, 5.0) / effort::path(5.0),
         guided_rays: 5.0,
         unguided_rays: 5.0,
         tail: 1.5,
+        guided_tail: 1.5,
         light_found: 1.0,
     };
     assert!((even.gain() - 1.0).abs() < 1e-12 && even.pays());
@@ -86,5 +87,11 @@ fn guiding_stops_where_it_is_beaten_unless_light_is_missed() {
         ..beaten
     };
     assert!(wild.pays());
+    // Unless it is guiding that is wild.
+    let worse = Verdict {
+        guided_tail: 60.0,
+        ..wild
+    };
+    assert!(!worse.pays());
     assert!(Verdict::default().pays());
 }
