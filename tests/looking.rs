@@ -7,7 +7,7 @@ use support::{Built, SceneMaker, inside_of_cube, mesh, settings};
 use twintree::accel::{Backend, ExactKind};
 use twintree::guide::{Field, ModelKind, SurfacePoint, Trainer};
 use twintree::integrate::guiding::{Guide, facing};
-use twintree::integrate::importance::met_by_camera;
+use twintree::integrate::importance::look;
 use twintree::integrate::learn::{LearnSettings, Learned, learn};
 use twintree::integrate::probe::{LatLong, brute_force, learned, seen_from};
 use twintree::integrate::{PathSettings, cells};
@@ -99,6 +99,7 @@ fn taught(built: &Built, photons: u64, paths: u64, model: ModelKind) -> Learned 
         batches: 6,
         memory: 32 << 20,
         mixture: None,
+        trial: true,
         photon: PhotonSettings {
             max_bounces: 8,
             roulette_after: 3,
@@ -161,7 +162,11 @@ fn the_learned_distribution_is_a_density_and_close_to_brute_force() {
 fn the_camera_meets_its_own_room_and_the_other_one_is_not_refined() {
     let built = two_rooms();
     let path = settings();
-    let met = met_by_camera(&built.view(&path, None));
+    let photons = Budget::Exactly {
+        photons: 400_000,
+        batches: 1,
+    };
+    let met = look(&built.view(&path, None), photons).points;
     assert!(met.len() > 10_000, "{}", met.len());
     assert!(met.iter().all(|p| p.position.x < -0.99));
     // Every wall is met, on its inner side.

@@ -342,7 +342,7 @@ pub struct LightArgs {
     /// Depth at which Russian roulette begins [default: the scene's]
     #[arg(long, value_name = "N", help_heading = "Light transport")]
     pub rr_depth: Option<u32>,
-    /// Where the samples go [default: the scene's; where a field guides sobol]
+    /// Where the samples go, whatever the scene names [default: sobol]
     #[arg(long, value_name = "NAME", help_heading = "Light transport")]
     pub sampler: Option<Sampler>,
     /// Seed of all random numbers: the same seed gives the same bits, whatever the number of threads

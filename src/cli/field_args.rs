@@ -67,6 +67,14 @@ pub struct GuideArgs {
         help_heading = "Guiding"
     )]
     pub adaptive: Adaptive,
+    /// Whether a short trial tells if a field that is learned pays, and ends guiding where it does not
+    #[arg(
+        long,
+        value_name = "WHEN",
+        default_value = "auto",
+        help_heading = "Guiding"
+    )]
+    pub trial: Trial,
 }
 
 impl GuideArgs {
@@ -111,6 +119,15 @@ pub enum Adaptive {
     Never,
 }
 
+/// Whether guiding is tried.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Trial {
+    /// While the field is learned, and guiding ends where it does not pay
+    Auto,
+    /// Never: paths are guided to the end
+    Never,
+}
+
 /// How a field is learned.
 #[derive(Args, Debug)]
 pub struct LearnArgs {
@@ -137,7 +154,7 @@ pub struct LearnArgs {
     /// Batches that --photons come in, each twice as large as the one before; with --guide gmm 30 of one size
     #[arg(long, value_name = "N", default_value_t = 8, default_value_if("guide", "gmm", "30"), value_parser = clap::value_parser!(u32).range(1..=32), help_heading = "Guiding")]
     pub batches: u32,
-    /// Memory for the field while it is learned, such as 64M
+    /// Memory for learning, such as 64M: the field's trees while they are trained, and the records that they learn from
     #[arg(long, value_name = "BYTES", default_value = "256M", value_parser = values::bytes, help_heading = "Guiding")]
     pub guide_memory: usize,
     /// What describes the directions of a cell

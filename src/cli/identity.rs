@@ -132,6 +132,7 @@ fn settings(args: &RenderArgs, subject: &Subject, limits: &Limits) -> Vec<(Strin
         add("--reuse", &args.guide.reuse);
         add("--aim", &args.guide.aim);
         add("--adaptive", &args.guide.adaptive);
+        add("--trial", &args.guide.trial);
     }
     list
 }

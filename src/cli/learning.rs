@@ -1,6 +1,6 @@
 //! Learned fields, as the commands share them: learning one, reading one, and what is said about it.
 
-use super::field_args::{Guide as Way, GuideArgs, GuideModel, LearnArgs, Teachers};
+use super::field_args::{Guide as Way, GuideArgs, GuideModel, LearnArgs, Teachers, Trial};
 use super::{Failure, overrides};
 use crate::guide::FieldFile;
 use crate::image::atomic;
@@ -161,6 +161,7 @@ pub fn guiding(
     };
     let mut settings = overrides::learn_settings(&args.learn, view.settings, photons)?;
     settings.mixture = args.mixture.0;
+    settings.trial = args.trial == Trial::Auto;
     if view.scene.lights.is_empty() {
         return Ok(Guiding::default());
     }
@@ -235,7 +236,7 @@ pub fn describe(learner: &Learner) {
     if !verdict.pays() {
         tracing::info!(
             "guiding would take {work:.1} times the work here: it was stopped after {} samples a pixel",
-            trial::AFTER
+            verdict.after
         );
     } else if verdict.is_ahead() {
         tracing::info!("guiding takes {work:.2} of the work");

@@ -216,6 +216,7 @@ fn measure(parts: &[Known], film: &Film, partial: bool) -> Stats {
         build_seconds: 0.0,
         train_seconds: 0.0,
         field_memory_bytes: 0,
+        learning_memory_bytes: 0,
         render_seconds: seconds,
         write_seconds: 0.0,
         peak_memory_bytes: None,

@@ -1,9 +1,7 @@
 //! What the command line changes about a scene.
 
 use super::args::{LightArgs, PictureArgs, RFilter, RenderArgs, Sampler, StopArgs};
-use super::field_args::{
-    Adaptive, Aim, Guide, GuideArgs, GuideModel, LearnArgs, RouletteBy, Teachers,
-};
+use super::field_args::{Adaptive, Aim, GuideArgs, GuideModel, LearnArgs, RouletteBy, Teachers};
 use super::{Failure, memory};
 use crate::film::filter::Filter;
 use crate::film::{FilmDescription, Pixel};
@@ -129,7 +127,7 @@ pub fn path_settings(args: &LightArgs, scene: &RenderDescription) -> PathSetting
         adaptive: false,
         hide_emitters: args.hide_emitters || scene.hide_emitters,
         strict_normals: args.strict_normals || scene.strict_normals,
-        sampler: args.sampler.map_or(scene.sampler, sampler),
+        sampler: sampler(args),
         seed: args.seed,
     }
 }
@@ -137,32 +135,24 @@ pub fn path_settings(args: &LightArgs, scene: &RenderDescription) -> PathSetting
 /// How paths of a render are traced, guided ones too.
 pub fn guided_path_settings(args: &RenderArgs, scene: &RenderDescription) -> PathSettings {
     let guide = &args.guide;
-    let plain = path_settings(&args.light, scene);
     PathSettings {
         roulette: roulette(guide),
         reuse: guide.reuse,
         aim: guide.aim == Aim::Auto,
         adaptive: guide.adaptive == Adaptive::Auto,
-        sampler: match guide.way() {
-            Guide::None => plain.sampler,
-            Guide::Double | Guide::Gmm => guided_sampler(&args.light),
-        },
-        ..plain
+        ..path_settings(&args.light, scene)
     }
 }
 
-/// Where the samples of guided paths go: Sobol points unless the command line says otherwise, for a scene mostly asks for
-/// independent numbers because that is what its format has by default. (Relative variance of 64 samples without the worst
-/// 0.1 % of the pixels, with independent numbers and with Sobol points: a kitchen 0.057, 0.052; a torus in glass 0.0101,
-/// 0.0078; veach-ajar 0.0305, 0.0284; lux-pool 0.093, 0.090; `scenes/pool` 0.0236, 0.0190; in 1.0 to 1.07 times the time.)
-pub fn guided_sampler(args: &LightArgs) -> SamplerKind {
-    args.sampler.map_or(SamplerKind::Sobol, sampler)
-}
-
-fn sampler(asked: Sampler) -> SamplerKind {
-    match asked {
-        Sampler::Independent => SamplerKind::Independent,
-        Sampler::Sobol => SamplerKind::Sobol,
+/// Where the samples go: Sobol points unless the command line says otherwise, with and without a field, whatever the scene
+/// names, for a scene mostly asks for independent numbers because that is what its format has by default. (Relative
+/// variance of 64 guided samples without the worst 0.1 % of the pixels, with independent numbers and with Sobol points: a
+/// kitchen 0.057, 0.052; a torus in glass 0.0101, 0.0078; veach-ajar 0.0305, 0.0284; lux-pool 0.093, 0.090;
+/// `scenes/pool` 0.0236, 0.0190; in 1.0 to 1.07 times the time.)
+fn sampler(args: &LightArgs) -> SamplerKind {
+    match args.sampler {
+        Some(Sampler::Independent) => SamplerKind::Independent,
+        Some(Sampler::Sobol) | None => SamplerKind::Sobol,
     }
 }
 
@@ -191,7 +181,8 @@ pub fn photons_for(args: &LearnArgs, film: &FilmDescription, limits: &Limits) ->
 
 /// As many photons as an image is worth.
 pub fn photons_as_needed(film: &FilmDescription, limits: &Limits) -> Budget {
-    let pixels = u64::from(film.width) * u64::from(film.height);
+    let [x0, y0, x1, y1] = film.crop.unwrap_or([0, 0, film.width, film.height]);
+    let pixels = u64::from(x1 - x0) * u64::from(y1 - y0);
     let spp = match limits.spp {
         u64::MAX if limits.time.is_none() => ENDLESS_SPP,
         spp => spp,
@@ -245,6 +236,7 @@ pub fn learn_settings(
             GuideModel::Gauss => ModelKind::Gauss,
         },
         mixture: None,
+        trial: false,
     })
 }
 

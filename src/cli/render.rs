@@ -134,6 +134,7 @@ pub fn run(args: &RenderArgs, console: &Console, interrupt: &Interrupt) -> Resul
         track.finish(&film, &summary, &mut stats);
     }
     stats.field = guiding.learner.as_ref().map(Learner::stats);
+    stats.learning_memory_bytes = guiding.learner.as_ref().map_or(0, Learner::peak_bytes);
     stats.trial = guiding.learner.as_ref().and_then(Learner::verdict);
     tracing::info!("{}", stats.sentence());
     if summary.noise.is_some_and(|noise| !noise.is_reliable()) {
@@ -276,6 +277,7 @@ fn measure(
         build_seconds: 0.0,
         train_seconds: 0.0,
         field_memory_bytes: 0,
+        learning_memory_bytes: 0,
         render_seconds: summary.elapsed.as_secs_f64(),
         write_seconds: 0.0,
         peak_memory_bytes: None,

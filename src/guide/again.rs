@@ -30,7 +30,7 @@ const UNDISTURBED: u32 = 2;
 const SMALL: f64 = 0.2;
 
 /// The records of the last batch.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct Recent {
     origin: Option<Origin>,
     /// Records of this origin before the batch.
@@ -38,6 +38,8 @@ pub(crate) struct Recent {
     deposits: Vec<Deposit>,
     places: Vec<Place>,
     vertices: Vec<Vertex>,
+    /// How many are kept.
+    most: usize,
 }
 
 /// Where a path vertex lies.
@@ -48,25 +50,45 @@ pub(crate) struct Vertex {
     pub leaf: u32,
 }
 
+impl Default for Recent {
+    fn default() -> Self {
+        Self::of(MOST)
+    }
+}
+
 impl Recent {
-    /// Forgets all and waits for a batch of this origin, which there were so many records of `before`.
-    pub fn start(&mut self, origin: Origin, before: u64) {
-        self.forget();
-        self.origin = Some(origin);
-        self.before = before;
+    /// None yet, and never more than `most`.
+    pub fn of(most: usize) -> Self {
+        Self {
+            origin: None,
+            before: 0,
+            deposits: Vec::new(),
+            places: Vec::new(),
+            vertices: Vec::new(),
+            most: most.min(MOST),
+        }
     }
 
-    /// Forgets all, but keeps the memory for the next batch.
-    fn forget(&mut self) {
-        self.origin = None;
-        self.deposits.clear();
-        self.places.clear();
-        self.vertices.clear();
+    /// Forgets all and waits for a batch of this origin, which there were so many records of `before`; `count` of its
+    /// records will be kept, if there is room.
+    pub fn start(&mut self, origin: Origin, before: u64, count: usize) {
+        *self = Self::of(self.most);
+        self.origin = Some(origin);
+        self.before = before;
+        let count = count.min(self.most);
+        self.deposits.reserve_exact(count);
+        self.places.reserve_exact(count);
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> u64 {
+        let records = self.deposits.capacity() * (size_of::<Deposit>() + size_of::<Place>());
+        (records + self.vertices.capacity() * size_of::<Vertex>()) as u64
     }
 
     /// Keeps records and their places, as long as there is room.
     pub fn keep(&mut self, deposits: &[Deposit], places: &[Place]) {
-        let room = MOST.saturating_sub(self.deposits.len());
+        let room = self.most.saturating_sub(self.deposits.len());
         let kept = deposits.len().min(room);
         self.deposits.extend_from_slice(&deposits[..kept]);
         self.places.extend_from_slice(&places[..kept]);
@@ -74,7 +96,7 @@ impl Recent {
 
     /// Keeps path vertices, as long as there is room.
     pub fn keep_vertices(&mut self, vertices: &[(Vertex, u32)]) {
-        let room = MOST.saturating_sub(self.vertices.len());
+        let room = self.most.saturating_sub(self.vertices.len());
         self.vertices
             .extend(vertices.iter().take(room).map(|v| v.0));
     }
@@ -85,7 +107,8 @@ impl Trainer {
     /// counted again; they only tell new links how their share is spread. Then they are forgotten. A
     /// batch of records that do not decide about splits (see [`super::Source`]) gets one round.
     pub fn refine_rounds(&mut self, rounds: u32) -> Refined {
-        let mut recent = std::mem::take(&mut self.recent);
+        let forgotten = Recent::of(self.recent.most);
+        let mut recent = std::mem::replace(&mut self.recent, forgotten);
         let Some(origin) = recent.origin.filter(|o| self.origins().contains(o)) else {
             return self.refine();
         };
@@ -110,8 +133,6 @@ impl Trainer {
         }
         self.iterate(&mut recent, origin);
         self.stats.settle();
-        recent.forget();
-        self.recent = recent;
         sum
     }
 
@@ -126,15 +147,10 @@ impl Trainer {
         }
         let mut order = self.descend(&recent.deposits, &mut recent.places, true);
         // Records of a link side by side: they are read several times.
-        let sorted: Vec<Deposit> = order
-            .par_iter()
-            .map(|&o| recent.deposits[o as u32 as usize])
-            .collect();
-        let in_order = |(i, o): (usize, &mut u64)| *o = *o >> 32 << 32 | i as u64;
-        order.par_iter_mut().enumerate().for_each(in_order);
+        arrange(&mut recent.deposits, &mut order);
         for i in 1..=iterations {
             self.stats.clear();
-            self.add_up(&sorted, &order, (unit, origin), Look::Models);
+            self.add_up(&recent.deposits, &order, (unit, origin), Look::Models);
             self.refit();
             if i + UNDISTURBED <= iterations {
                 self.stats.reseed();
@@ -203,11 +219,53 @@ impl Trainer {
     }
 }
 
+/// Brings records into the order whose lower halves number them, where they lie: a copy of all would be as large again.
+/// The order is then that of their new numbers.
+fn arrange<T: Copy>(records: &mut [T], order: &mut [u64]) {
+    for start in 0..order.len() {
+        let first = records[start];
+        let mut at = start;
+        // Once around the cycle that begins here, if it was not gone around before.
+        loop {
+            let from = order[at] as u32 as usize;
+            order[at] = order[at] >> 32 << 32 | at as u64;
+            if from == start || from == at {
+                break;
+            }
+            records[at] = records[from];
+            at = from;
+        }
+        if at != start {
+            records[at] = first;
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::{ModelKind, Photon, Settings};
     use super::*;
     use crate::math::{Pcg32, Rgb, Vec3};
+
+    #[test]
+    fn records_are_arranged_where_they_lie() {
+        let mut rng = Pcg32::new(3, 4);
+        for count in [0u64, 1, 2, 3, 1000] {
+            let records: Vec<u64> = (0..count).map(|i| 7 * i + 1).collect();
+            let mut order: Vec<u64> = (0..count)
+                .map(|i| u64::from(rng.next_u32() % 16) << 32 | i)
+                .collect();
+            order.sort_unstable();
+            let expected: Vec<u64> = order.iter().map(|o| records[*o as u32 as usize]).collect();
+            let links: Vec<u64> = order.iter().map(|o| o >> 32).collect();
+            let mut arranged = records.clone();
+            arrange(&mut arranged, &mut order);
+            assert_eq!(arranged, expected);
+            for (i, o) in order.iter().enumerate() {
+                assert_eq!((o >> 32, *o as u32 as usize), (links[i], i));
+            }
+        }
+    }
 
     #[test]
     fn only_a_batch_beside_which_much_is_known_is_looked_at_once() {

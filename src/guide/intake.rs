@@ -10,13 +10,14 @@ use super::model::Look;
 use super::record::{Deposit, Dropped, Intake, Origin, PathSample, Photon, batch_unit};
 use super::space::Space;
 use super::train::Trainer;
+use crate::math::Rgb;
 use crate::math::sum::SumUnit;
 use rayon::prelude::*;
 
 /// Records that one task checks.
 const PIECE: usize = 1 << 13;
 /// Pieces taken at a time: bounds the scratch memory, changes no result.
-const PIECES: usize = 32;
+const PIECES: usize = 16;
 
 /// A piece of a batch.
 #[derive(Default)]
@@ -69,49 +70,83 @@ impl Checked {
     }
 }
 
+/// The next parts of a batch, as many as are taken at a time; `None` at its end.
+fn next_pieces<R, T: AsRef<[R]>>(parts: &mut impl Iterator<Item = T>) -> Option<Vec<T>> {
+    let (mut some, mut count) = (Vec::new(), 0);
+    while count < PIECES * PIECE {
+        let Some(part) = parts.next() else { break };
+        count += part.as_ref().len();
+        some.push(part);
+    }
+    (!some.is_empty()).then_some(some)
+}
+
+/// Parts cut into pieces.
+fn in_pieces<R, T: AsRef<[R]>>(parts: &[T]) -> Vec<&[R]> {
+    let cut = |part| <T as AsRef<[R]>>::as_ref(part).chunks(PIECE);
+    parts.iter().flat_map(cut).collect()
+}
+
 impl Trainer {
     /// *Train* on photons. `emitted` is how many photons the lights sent out to yield this batch.
     /// The result does not depend on threads, nor on how photons are cut into batches between two
     /// refinements.
     pub fn train(&mut self, photons: &[Photon], emitted: u64) {
+        self.train_on_photons(vec![photons], emitted);
+    }
+
+    /// The same for a batch that lies in several places, each of which is let go of once it is learned from; nothing
+    /// depends on where it is cut.
+    pub fn train_on_photons(&mut self, parts: Vec<impl AsRef<[Photon]> + Sync>, emitted: u64) {
         self.intakes.batches += 1;
         self.intakes.emitted = self.intakes.emitted.saturating_add(emitted);
+        let all = || parts.iter().flat_map(AsRef::as_ref);
         if self.photon_unit.is_none() {
-            self.photon_unit = batch_unit(photons.iter().map(|p| p.power));
+            self.photon_unit = batch_unit(all().map(|p| p.power));
         }
         let Some(unit) = self.photon_unit else {
             return;
         };
-        self.recent.start(Origin::Photon, self.intakes.photons);
-        for photons in photons.chunks(PIECES * PIECE) {
-            let intake = self.intake(unit);
-            let check = |piece| Checked::photons(piece, &intake);
-            let pieces: Vec<_> = photons.par_chunks(PIECE).map(check).collect();
-            self.intakes.photons += self.deposit(&pieces, unit, Origin::Photon);
+        let count = parts.iter().map(|p| p.as_ref().len()).sum();
+        self.recent
+            .start(Origin::Photon, self.intakes.photons, count);
+        let mut parts = parts.into_iter();
+        while let Some(parts) = next_pieces(&mut parts) {
+            for pieces in in_pieces(&parts).chunks(PIECES) {
+                let intake = self.intake(unit);
+                let check = |piece: &&[Photon]| Checked::photons(piece, &intake);
+                let pieces: Vec<_> = pieces.par_iter().map(check).collect();
+                self.intakes.photons += self.deposit(&pieces, unit, Origin::Photon);
+            }
         }
     }
 
     /// *Train* on camera paths: every sampled direction of every vertex, dark ones included.
     pub fn train_paths(&mut self, samples: &[PathSample]) {
-        self.train_paths_in_parts(&[samples]);
+        self.train_on_paths(vec![samples]);
     }
 
-    /// The same for a batch that lies in several places; nothing depends on where it is cut.
-    pub fn train_paths_in_parts(&mut self, parts: &[&[PathSample]]) {
+    /// The same for a batch that lies in several places, each of which is let go of once it is learned from; nothing
+    /// depends on where it is cut.
+    pub fn train_on_paths(&mut self, parts: Vec<impl AsRef<[PathSample]> + Sync>) {
         self.intakes.batches += 1;
+        let all = || parts.iter().flat_map(AsRef::as_ref);
         if self.path_unit.is_none() {
-            self.path_unit = batch_unit(parts.iter().copied().flatten().map(|s| s.radiance));
+            self.path_unit = batch_unit(all().map(|s| s.radiance));
         }
         // Vertices count even while everything is dark.
         let unit = self.path_unit.unwrap_or(SumUnit::from_exponent(0));
-        self.recent.start(Origin::Path, self.intakes.paths);
-        let pieces: Vec<_> = parts.iter().flat_map(|p| p.chunks(PIECE)).collect();
-        for pieces in pieces.chunks(PIECES) {
-            let (intake, space) = (self.intake(unit), &self.space);
-            let check = |piece: &&[PathSample]| Checked::paths(piece, &intake, space);
-            let pieces: Vec<_> = pieces.par_iter().map(check).collect();
-            self.visit(&pieces);
-            self.deposit(&pieces, unit, Origin::Path);
+        let lit = all().filter(|s| s.radiance != Rgb::ZERO).count();
+        self.recent.start(Origin::Path, self.intakes.paths, lit);
+        let mut parts = parts.into_iter();
+        while let Some(parts) = next_pieces(&mut parts) {
+            for pieces in in_pieces(&parts).chunks(PIECES) {
+                let (intake, space) = (self.intake(unit), &self.space);
+                let check = |piece: &&[PathSample]| Checked::paths(piece, &intake, space);
+                let pieces: Vec<_> = pieces.par_iter().map(check).collect();
+                self.visit(&pieces);
+                self.deposit(&pieces, unit, Origin::Path);
+            }
         }
     }
 

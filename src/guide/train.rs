@@ -108,6 +108,11 @@ impl Trainer {
         self.recent = Recent::default();
     }
 
+    /// Keeps no more than so many records of a batch for refining.
+    pub fn keep_at_most(&mut self, records: usize) {
+        self.recent = Recent::of(records);
+    }
+
     /// What came in so far.
     pub fn intakes(&self) -> Intakes {
         self.intakes
@@ -249,6 +254,11 @@ impl Trainer {
             }
             _ => vec![1.0; 4],
         }
+    }
+
+    /// Bytes of the records that wait for refining.
+    pub fn recent_bytes(&self) -> u64 {
+        self.recent.bytes()
     }
 
     /// Bytes held by nodes, links, accumulators and, per cell of R, the look-up tables that freezing

@@ -5,7 +5,8 @@
 //! so that record `i` is the same record wherever it is made.
 
 use super::guiding::Guide;
-use super::learn::{LearnSettings, Learned, lessons, trace_batch, train};
+use super::learn::{LearnSettings, Learned, lessons};
+use super::learn_photons::trace_batch;
 use super::render::View;
 use crate::guide::{FieldFile, GuideError, Ledger, Numbers, Settings, Source};
 use crate::photon::PhotonCounts;
@@ -125,6 +126,7 @@ pub fn extend(
     let mut counts = PhotonCounts::default();
     // These records shape nothing and are no batch: cut in any way, they count the same.
     let batches = file.trainer.intakes().batches;
+    file.trainer.keep_at_most(0);
     if source != Source::Paths {
         let numbers = take(
             &mut file.ledger.photons,
@@ -136,7 +138,7 @@ pub fn extend(
             let emitted = piece.end - piece.start;
             let (landed, traced) = trace_batch(view.scene, settings, piece);
             counts += traced;
-            file.trainer.train(&landed, emitted);
+            file.trainer.train_on_photons(landed, emitted);
         }
     }
     if source != Source::Photons {
@@ -144,7 +146,8 @@ pub fn extend(
         let numbers = take(&mut file.ledger.paths, &base.ledger.paths, more, more.paths);
         for piece in pieces(numbers) {
             let lessons = lessons(view, Some(&guide), piece);
-            train(&mut file.trainer, &lessons);
+            let samples = lessons.into_iter().map(|l| l.samples).collect();
+            file.trainer.train_on_paths(samples);
         }
     }
     file.trainer.conclude(batches);

@@ -1,14 +1,21 @@
 //! Learning the field: from photons before rendering, then from camera paths.
 //!
-//! Photons come first, in batches (see [`crate::photon::schedule`]). Camera paths guided by what is known so far then teach the rest, above all what the
-//! camera sees and photons hardly reach. They are samples of the image like any other: whoever renders
-//! hands the [`Lessons`] of its first passes to a [`Learner`] and renders the next pass with what that
+//! Photons come first, in batches (see [`crate::photon::schedule`]). Camera paths guided by what is known so far then
+//! teach the rest, above all what the camera sees and photons hardly reach. They are samples of the image like any other:
+//! whoever renders hands the [`Lessons`] of its first passes to a [`Learner`] and renders the next pass with what that
 //! has learned ([`super::render`] does). [`learn`] makes paths of its own, for a field without an image.
+//!
+//! Until a trial ([`super::trial`]) has told that guiding pays, photons and pupils are so few that learning takes about a
+//! twentieth of the work to come. (When photons were as many as the image has samples, `scenes/furnace` and
+//! `scenes/materials` took 1.3 to 1.6 times the processor seconds of an unguided render, at 64 samples as at 256,
+//! though guiding ended after four.) Memory is bounded, too: batches are as large as the trees leave room for.
 
 use super::PathSettings;
 use super::chain::Aiming;
+use super::effort::Effort;
 use super::guiding::Guide;
 use super::importance;
+use super::learn_photons::{Helping, PhotonLessons, ROUNDS, prepare, room};
 use super::record::{Lessons, Records};
 use super::render::View;
 use super::trial::{self, Verdict};
@@ -16,29 +23,31 @@ use super::vertex::Walk;
 use super::wave::{LONG, Wave};
 use crate::camera::CameraRay;
 use crate::guide::{
-    BATCH, Field, Fractions, GuideError, ModelKind, Photon, Settings, Source, Stats, SurfacePoint,
-    Trainer,
+    Field, FractionRecord, Fractions, GuideError, ModelKind, PathSample, Stats, Trainer,
 };
 use crate::math::{PathSampler, Vec2};
-use crate::photon::schedule::{Budget, Experience, Schedule, doubling, part};
-use crate::photon::wave::PhotonWave;
-use crate::photon::{Landing, PhotonCounts, PhotonSettings};
+use crate::photon::schedule::{Budget, doubling};
+use crate::photon::{PhotonCounts, PhotonSettings};
 use crate::scene::Scene;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// Photons in a wave: one task.
-const WAVE_PHOTONS: u64 = 8192;
 /// Camera paths in a wave.
 const WAVE_PATHS: u64 = 4096;
-/// Points that measure the area inside cells, at most; at least a sixteenth of that.
-const AREA_POINTS: usize = 1 << 20;
-/// A small image has one for so many of its samples: its field has few cells.
-const SAMPLES_A_POINT: u64 = 8;
-/// Rounds of refining after a batch.
-const ROUNDS: u32 = 4;
+/// Bytes of a vertex of a path that teaches, before and after it was learned from.
+const VERTEX_BYTES: u64 = (size_of::<PathSample>() + size_of::<FractionRecord>()) as u64 + 16;
+/// Most paths of a pass that teach. What more of them tell is not worth the time.
+const MOST_PUPILS: u64 = 1 << 19;
+/// Guided paths have so many times the vertices of others, before any were counted.
+const MORE_VERTICES: f64 = 2.0;
+/// Samples of every pixel that have taught before the trial, where the number of samples is not known.
+const AFTER: u64 = 4;
+/// Otherwise one in so many.
+const ONE_IN: u64 = 16;
+/// Where it is in doubt, it is tried again after so many times the samples.
+const AGAIN: u64 = 4;
 
 /// Photons and camera paths that have been traced to learn from.
 static TRACED: AtomicU64 = AtomicU64::new(0);
@@ -47,6 +56,11 @@ static TRACED: AtomicU64 = AtomicU64::new(0);
 /// shows that learning goes on.
 pub fn traced() -> u64 {
     TRACED.load(Ordering::Relaxed)
+}
+
+/// Takes note of photons or camera paths that were traced.
+pub(super) fn add_traced(count: u64) {
+    TRACED.fetch_add(count, Ordering::Relaxed);
 }
 
 /// How a field is learned.
@@ -59,7 +73,7 @@ pub struct LearnSettings {
     /// Batches that paths come in, where they are not those of an image; each is twice as large as the
     /// one before.
     pub batches: u32,
-    /// Most bytes of the trees while they are trained.
+    /// Most bytes that learning holds: the trees while they are trained, and the records that they learn from.
     pub memory: u64,
     /// How photons are traced.
     pub photon: PhotonSettings,
@@ -67,6 +81,8 @@ pub struct LearnSettings {
     pub model: ModelKind,
     /// Share of the directions that are drawn from the field everywhere; `None` learns it.
     pub mixture: Option<f32>,
+    /// Whether guiding may turn out not to pay, and end.
+    pub trial: bool,
 }
 
 /// What learning came to.
@@ -87,57 +103,51 @@ pub struct Learned {
 /// A field that is being learned, and can be asked meanwhile.
 #[derive(Debug)]
 pub struct Learner {
+    settings: LearnSettings,
     trainer: Trainer,
     guide: Guide,
-    mixture: Option<f32>,
-    paths: u64,
+    effort: Effort,
+    photons: PhotonLessons,
     taught: u64,
-    counts: PhotonCounts,
+    /// Vertices of a path that taught.
+    vertices: f64,
     verdict: Option<Verdict>,
+    /// Most bytes that learning held.
+    peak: u64,
     elapsed: Duration,
 }
 
 impl Learner {
-    /// Learns from photons, where the paths of `view` may come.
+    /// Learns from photons, where the paths of `view` may come. Where a trial will tell whether guiding pays, the most
+    /// of them wait for that.
     ///
     /// # Errors
     /// When the scene's bounds are empty or a setting is out of range.
     pub fn new(view: &View, settings: &LearnSettings) -> Result<Self, GuideError> {
         let start = Instant::now();
-        let scene = view.scene;
-        let mut trainer = prepare(scene, settings)?;
+        let mut trainer = prepare(view.scene, settings)?;
+        let look = importance::look(view, settings.photons);
         if !settings.photons.is_none() {
-            trainer.set_importance_sample(&importance::met_by_camera(view), importance::PER_CELL);
+            trainer.set_importance_sample(&look.points, importance::PER_CELL);
         }
-        let mut counts = PhotonCounts::default();
-        let mut schedule = Schedule::new(settings.photons);
-        let mut landings = 0;
-        while let Some(mut photons) = schedule.next_batch() {
-            let (before, mut gain) = (landings, 0.0);
-            while !photons.is_empty() {
-                let part = part(&mut photons, landings, BATCH);
-                let emitted = part.end - part.start;
-                let (landed, batch) = trace_batch(scene, settings, part);
-                counts += batch;
-                landings += landed.len() as u64;
-                trainer.train(&landed, emitted);
-                gain += trainer.refine_rounds(ROUNDS).gain;
-            }
-            schedule.learned(Experience {
-                landings: landings - before,
-                gain,
-                elapsed: start.elapsed(),
-            });
-        }
+        let effort = Effort::new(settings.photons, &look);
+        let mut photons = PhotonLessons::new(settings, effort);
+        let helping = match settings.trial && settings.paths > 0 {
+            true => Helping::First,
+            false => Helping::All,
+        };
+        photons.teach(view.scene, settings, &mut trainer, helping, start);
         let mut guide = Guide::new(trainer.freeze()).with_mixture(settings.mixture);
         guide.aiming = Aiming::find(view, settings.photons);
         Ok(Self {
             guide,
+            vertices: MORE_VERTICES * look.vertices_a_path().max(1.0),
+            peak: photons.peak,
             trainer,
-            mixture: settings.mixture,
-            paths: settings.paths,
+            effort,
+            photons,
+            settings: settings.clone(),
             taught: 0,
-            counts,
             verdict: None,
             elapsed: start.elapsed(),
         })
@@ -156,7 +166,7 @@ impl Learner {
 
     /// Whether more camera paths are wanted.
     pub fn wants_more(&self) -> bool {
-        self.taught < self.paths && self.worthwhile_guide().is_some()
+        self.taught < self.settings.paths && self.worthwhile_guide().is_some()
     }
 
     /// Whether camera paths teach it.
@@ -164,9 +174,50 @@ impl Learner {
         self.taught > 0
     }
 
-    /// Takes note of whether guiding pays.
-    pub fn judge(&mut self, verdict: Verdict) {
+    /// Whether a trial is to tell now if guiding pays, after so many samples of each of the film's pixels: once learning
+    /// begins to be much beside the work to come, and again later where it was in doubt.
+    pub fn is_to_be_judged(&self, after: u64, pixels: u64) -> bool {
+        let spp = self.effort.samples().map(|s| s / pixels.max(1) / ONE_IN);
+        let spp = spp.map_or(AFTER, |spp| spp.clamp(1, AFTER));
+        let first = 1 << spp.ilog2();
+        match self.verdict {
+            None => after == first,
+            Some(verdict) => after == AGAIN * first && verdict.pays() && verdict.is_doubtful(),
+        }
+    }
+
+    /// Paths of each of the trial's ways.
+    pub fn trial_paths(&self) -> u64 {
+        self.effort.trial()
+    }
+
+    /// Paths of a pass that teach, at most.
+    pub fn most_pupils(&self) -> u64 {
+        let bytes = VERTEX_BYTES as f64 * self.vertices;
+        let most = (room(&self.settings, &self.trainer) as f64 / bytes) as u64;
+        let sure = self.verdict.is_some() || !self.settings.trial;
+        most.min(self.effort.pupils(sure)).clamp(1, MOST_PUPILS)
+    }
+
+    /// Takes note of whether guiding pays. If it does, the rest of the photons teach.
+    pub fn judge(&mut self, view: &View, verdict: Verdict) {
+        if !self.settings.trial {
+            return;
+        }
+        let start = Instant::now();
+        let again = self.verdict.is_some();
+        let verdict = Verdict { again, ..verdict };
         self.verdict = Some(verdict);
+        if !verdict.is_promising() {
+            return;
+        }
+        let (settings, trainer) = (&self.settings, &mut self.trainer);
+        let begun = start.checked_sub(self.elapsed).unwrap_or(start);
+        self.photons
+            .teach(view.scene, settings, trainer, Helping::All, begun);
+        self.peak = self.peak.max(self.photons.peak);
+        self.renew();
+        self.elapsed += start.elapsed();
     }
 
     /// Tries how often aiming at suns and lamps pays, where no pass of an image will.
@@ -184,19 +235,34 @@ impl Learner {
         self.verdict
     }
 
-    /// Learns from `paths` camera paths that were guided by what was known until now.
-    pub fn take(&mut self, lessons: &[Lessons], paths: u64) {
+    /// Learns from `paths` camera paths that were guided by what was known until now, and forgets the lessons.
+    pub fn take(&mut self, lessons: &mut [Lessons], paths: u64) {
         let start = Instant::now();
         self.taught = self.taught.saturating_add(paths);
-        train(&mut self.trainer, lessons);
-        self.trainer.refine_rounds(ROUNDS);
-        if self.mixture.is_none() {
-            let parts: Vec<_> = lessons.iter().map(|l| &l.fractions[..]).collect();
-            let Guide {
-                field, fractions, ..
-            } = &mut self.guide;
-            fractions.update_in_parts(field, &parts);
+        let vertices: u64 = lessons.iter().map(|l| l.samples.len() as u64).sum();
+        self.vertices = (vertices as f64 / paths.max(1) as f64).max(1.0);
+        let bytes = self.trainer.bytes() + vertices * VERTEX_BYTES;
+        self.peak = self.peak.max(bytes);
+        // Records are let go of as soon as they have taught: they are most of what learning holds.
+        let (samples, fractions): (Vec<_>, Vec<_>) = lessons
+            .iter_mut()
+            .map(std::mem::take)
+            .map(|lessons| (lessons.samples, lessons.fractions))
+            .unzip();
+        if self.settings.mixture.is_none() {
+            let parts: Vec<_> = fractions.iter().map(|f| &f[..]).collect();
+            let guide = &mut self.guide;
+            guide.fractions.update_in_parts(&guide.field, &parts);
         }
+        drop(fractions);
+        self.trainer.train_on_paths(samples);
+        self.trainer.refine_rounds(ROUNDS);
+        self.renew();
+        self.elapsed += start.elapsed();
+    }
+
+    /// Guides by what is known now.
+    fn renew(&mut self) {
         let field = self.trainer.freeze();
         let fractions = self.guide.fractions.carried_over(&self.guide.field, &field);
         self.guide = Guide {
@@ -204,13 +270,17 @@ impl Learner {
             fractions,
             aiming: self.guide.aiming.take(),
         }
-        .with_mixture(self.mixture);
-        self.elapsed += start.elapsed();
+        .with_mixture(self.settings.mixture);
     }
 
     /// What became of the photons.
     pub fn counts(&self) -> PhotonCounts {
-        self.counts
+        self.photons.counts
+    }
+
+    /// Most bytes that learning held: trees, and the records that they learned from.
+    pub fn peak_bytes(&self) -> u64 {
+        self.peak
     }
 
     /// The trees in numbers.
@@ -233,62 +303,21 @@ pub fn learn(view: &View, settings: &LearnSettings) -> Result<Learned, GuideErro
     let start = Instant::now();
     let mut learner = Learner::new(view, settings)?;
     for paths in doubling(settings.paths, settings.batches) {
-        let count = paths.end - paths.start;
-        let lessons = lessons(view, Some(learner.guide()), paths);
-        learner.take(&lessons, count);
+        let mut from = paths.start;
+        while from < paths.end {
+            let to = (from + learner.most_pupils()).min(paths.end);
+            let mut lessons = lessons(view, Some(learner.guide()), from..to);
+            learner.take(&mut lessons, to - from);
+            from = to;
+        }
     }
     Ok(Learned {
         stats: learner.stats(),
-        counts: learner.counts,
+        counts: learner.counts(),
         guide: learner.guide,
         trainer: learner.trainer,
         elapsed: start.elapsed(),
     })
-}
-
-/// Points for a field that is learned from so many photons.
-fn area_points(photons: Budget) -> usize {
-    let Budget::AsNeeded { samples, .. } = photons else {
-        return AREA_POINTS;
-    };
-    let points = usize::try_from(samples / SAMPLES_A_POINT).unwrap_or(AREA_POINTS);
-    points.clamp(AREA_POINTS / 16, AREA_POINTS)
-}
-
-/// A trainer that knows the scene's bounds and how much surface lies where.
-fn prepare(scene: &Scene, settings: &LearnSettings) -> Result<Trainer, GuideError> {
-    let bounds = scene.rays.bounds();
-    let mut guide_settings = Settings::new(bounds.min, bounds.max);
-    guide_settings.memory = settings.memory;
-    guide_settings.seed = settings.photon.seed;
-    guide_settings.model = settings.model;
-    guide_settings.source = match (settings.photons.is_none(), settings.paths) {
-        (true, _) => Source::Paths,
-        (_, 0) => Source::Photons,
-        _ => Source::Both,
-    };
-    // Thin walls, lit from one side, are everywhere in real scenes.
-    guide_settings.normal_split = true;
-    let mut trainer = Trainer::build(guide_settings)?;
-    if settings.photons.is_none() {
-        return Ok(trainer);
-    }
-    let (points, area) = scene.area_points(area_points(settings.photons), settings.photon.seed);
-    // Light lands on either side of a surface.
-    let sides = points.iter().flat_map(|p| {
-        [p.normal, -p.normal].map(|normal| SurfacePoint {
-            position: p.position,
-            normal,
-        })
-    });
-    trainer.set_surface(&sides.collect::<Vec<_>>(), 2.0 * area);
-    Ok(trainer)
-}
-
-/// *Trains* on what camera paths taught.
-pub(super) fn train(trainer: &mut Trainer, lessons: &[Lessons]) {
-    let parts: Vec<_> = lessons.iter().map(|l| &l.samples[..]).collect();
-    trainer.train_paths_in_parts(&parts);
 }
 
 /// Traces camera paths, in waves side by side; the lessons of each, in order. Path `i` of a film of
@@ -315,7 +344,7 @@ pub(super) fn lessons(view: &View, guide: Option<&Guide>, range: Range<u64>) -> 
             }
             let mut lessons = Lessons::default();
             let outcomes = wave.trace(&walk, records);
-            TRACED.fetch_add(WAVE_PATHS.min(range.end - from), Ordering::Relaxed);
+            add_traced(WAVE_PATHS.min(range.end - from));
             records.conclude(outcomes, &mut lessons);
             lessons
         })
@@ -336,43 +365,6 @@ fn training_ray(view: &View, i: u64) -> (CameraRay, PathSampler) {
 
 /// Sets the numbers of training paths apart from the image's.
 const TRAINING: u64 = 0x5851_f42d_4c95_7f2d;
-
-/// Traces a batch, in waves side by side whose landings are joined in photon order.
-pub(super) fn trace_batch(
-    scene: &Scene,
-    settings: &LearnSettings,
-    range: Range<u64>,
-) -> (Vec<Photon>, PhotonCounts) {
-    let starts: Vec<u64> = range.clone().step_by(WAVE_PHOTONS as usize).collect();
-    let waves: Vec<_> = starts
-        .par_iter()
-        .map_init(PhotonWave::default, |wave, &from| {
-            let mut landed = Vec::new();
-            let to = (from + WAVE_PHOTONS).min(range.end);
-            let counts = wave.trace(scene, &settings.photon, from..to, &mut |l: Landing| {
-                // What comes straight from an emitter is found by next-event estimation.
-                if l.bounces > 0 {
-                    landed.push(Photon {
-                        position: l.position,
-                        direction: l.direction,
-                        power: l.power,
-                        distance: l.distance,
-                        normal: l.normal,
-                    });
-                }
-            });
-            TRACED.fetch_add(to - from, Ordering::Relaxed);
-            (landed, counts)
-        })
-        .collect();
-    let mut photons = Vec::with_capacity(waves.iter().map(|w| w.0.len()).sum());
-    let mut counts = PhotonCounts::default();
-    for (landed, wave) in waves {
-        photons.extend(landed);
-        counts += wave;
-    }
-    (photons, counts)
-}
 
 /// A field of noise over the scene's bounds: for tests that show that no field can change the mean.
 pub fn garbage(scene: &Scene, model: ModelKind, seed: u64) -> Guide {

@@ -4,7 +4,8 @@
 //! teach, as in the paper.
 
 use super::importance;
-use super::learn::{LearnSettings, trace_batch};
+use super::learn::LearnSettings;
+use super::learn_photons::trace_batch;
 use super::render::View;
 use crate::guide::GuideError;
 use crate::guide::gmm::{GmmTrainer, Mixtures, Settings};
@@ -60,7 +61,7 @@ pub fn learn_mixtures(
         let emitted = numbers.end - numbers.start;
         let (landed, batch) = trace_batch(view.scene, settings, numbers);
         counts += batch;
-        trainer.train(&landed, emitted);
+        trainer.train(&landed.concat(), emitted);
     }
     Ok(LearnedMixtures {
         mixtures: trainer.freeze(),

@@ -10,15 +10,12 @@ use super::learn::Learner;
 use super::record::{Lessons, Records};
 use super::render::{Job, Limits, PASS_SPP, Progress};
 use super::start::Iteration;
-use super::trial::{self, trial};
+use super::trial::{Verdict, trial};
 use super::vertex::Walk;
 use crate::film::Film;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::time::Duration;
-
-/// Most paths of a pass that teach. What more of them tell is not worth the memory, some 400 bytes each.
-const MOST_PUPILS: u64 = 1 << 19;
 
 /// Renders passes and teaches the learner, until it wants no more or a limit is reached. The passes' sizes
 /// depend on the limit in samples alone; when the time gets short, learning ends early. Returns the iteration that
@@ -38,18 +35,25 @@ pub(super) fn teach(
         let begin = elapsed();
         let to = from + from.clamp(1, PASS_SPP).min(limits.spp - from);
         let paths = pixels * (to - from);
-        let stride = paths.div_ceil(MOST_PUPILS);
+        let stride = paths.div_ceil(learner.most_pupils());
         let guide = (learner.guide(), stride as u32);
         if !pass(job, film, (from..to, &iteration), guide, &mut told) || to == limits.spp {
             return iteration;
         }
         if learner.wants_more() {
-            learner.take(&told.lessons, paths / stride);
+            learner.take(&mut told.lessons, paths / stride);
         }
         from = to;
-        if from == trial::AFTER {
-            let (verdict, chance) = trial(job, job.view.film, learner.guide());
-            learner.judge(verdict);
+        if learner.is_to_be_judged(from, pixels) {
+            let paths = learner.trial_paths();
+            let (verdict, chance) = trial(job, job.view.film, learner.guide(), paths);
+            learner.judge(
+                &job.view,
+                Verdict {
+                    after: from,
+                    ..verdict
+                },
+            );
             learner.aim(chance);
         }
         let spreads = job.view.settings.adaptive && from >= adaptive::FIRST;

@@ -1,19 +1,24 @@
 //! Does guiding pay? A small trial during learning tells.
 //!
 //! Where next-event estimation and the BSDF find the light by themselves, a field only costs time. After
-//! the first passes have taught it, an eighth of the tiles is rendered twice more, with the field and
-//! without, into films that are thrown away. What counts is relative variance times cost. The decision has
-//! to be the same on every machine, so cost is counted in rays, not read from a clock.
+//! the first lessons some of the tiles are rendered with the field and without, into films that are thrown away: by
+//! numbers that no image uses, so that what is decided depends on no sample that is kept. Each way is rendered twice,
+//! by point sets that know nothing of each other: half the square of the difference is the error of a pixel as it
+//! comes out, with what Sobol points gain over independent ones and with what neighbours share. What counts is that
+//! error, relative to the tile, times what a path costs (see [`super::effort`]).
+//!
+//! The worst pixels count, too, but none for more than chance may give it: a pixel's error is cut at the mean
+//! of the others times the cube root of their number, the same for both ways.
 //!
 //! A few samples say little about a sampler that finds a caustic once in ten thousand: it looks clean
-//! until then. So guiding is stopped only where there is nothing to be afraid of: where the worst pixels,
-//! which are left out of the comparison, do not outweigh all others, and where the unguided image does not
-//! lack light that the guided one has. Measured after 4 samples of learning, as the ratio of unguided to
-//! guided variance without the worst pixels, and how much the worst add to either: cornell 1.6, 1.1; exact
-//! 0.92, 2.0; materials 0.83, 5.6; torus 0.82, 970; lux-pool 0.39, 310; cbox-caustics 1.4, 260. The last
-//! three are where guiding gains most.
+//! until then. So guiding is stopped only where there is nothing to be afraid of: where the worst pixels do not
+//! outweigh all others, and where the unguided image does not lack light that the guided one has. Measured after 4
+//! samples of learning, as the ratio of unguided to guided variance without the worst pixels, and how much the worst add
+//! to either: cornell 1.6, 1.1; exact 0.92, 2.0; materials 0.83, 5.6; torus 0.82, 970; lux-pool 0.39, 310;
+//! cbox-caustics 1.4, 260. The last three are where guiding gains most.
 
 use super::chain::pays::{self, Gains};
+use super::effort;
 use super::guiding::Guide;
 use super::render::{Job, Observer, Progress, View};
 use super::start::Iteration;
@@ -22,34 +27,43 @@ use crate::film::{FLOOR, Film, FilmDescription, Pixel, Shard, Tile};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Samples a pixel that must have taught the field before the trial.
-pub const AFTER: u64 = 4;
-/// The trial's tiles: one in so many.
+/// The trial's tiles: one in so many, at least.
 const SHARE: u32 = 8;
-/// The trial's samples: numbers that no image reaches.
-const SAMPLES: Range<u64> = 1 << 40..(1 << 40) + 8;
-/// A guided ray costs about this many unguided ones (1.3 in torus to 3.1 in an empty box, measured as rays
-/// a second with and without `--guide double`).
-const COST: f64 = 2.0;
-/// The field is still learning: it may be behind by this factor and go on.
-const PATIENCE: f64 = 1.25;
+/// The trial's samples: numbers that no image reaches, of two point sets.
+const SETS: [u64; 2] = [1 << 40, (1 << 40) + (1 << 20)];
+/// Samples of a pixel in each, at most and at least.
+const MOST: u64 = 4;
+const LEAST: u64 = 2;
+/// Tiles that a trial has at least, if the film does.
+const FEWEST_TILES: u64 = 4;
+/// The field is still learning: it may be behind by this factor and go on, at first and when it is tried again.
+const PATIENCE: [f64; 2] = [1.2, 1.05];
+/// It is tried again where it is not ahead by this factor.
+const CLEAR: f64 = 1.5;
 /// More light than this share found by guiding alone is more than chance.
 const MISSED: f64 = 0.02;
 
 /// Share of the pixels that count as the worst.
 const WORST: f64 = 0.01;
-/// The worst pixels outweigh the others when with them the mean is this many times larger.
-const HEAVY: f64 = 10.0;
+/// The worst pixels outweigh the others when with them the mean is this many times larger. (In rooms with windows or lamps
+/// 1.1 to 2.5, with lamps that shine from behind something 4 to 9, with glass 6 to 11.)
+const HEAVY: f64 = 4.0;
 
 /// What the trial found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Verdict {
-    /// Mean relative variance of a guided sample, without the worst pixels.
+    /// Samples of every pixel that had taught by then.
+    pub after: u64,
+    /// Whether it was tried before.
+    pub again: bool,
+    /// Mean relative error of a guided sample, squared.
     pub guided: f64,
     /// The same without guiding.
     pub unguided: f64,
-    /// How much larger the means are with the worst pixels; the larger of the two ratios.
+    /// How much larger the mean is with the worst pixels, without guiding.
     pub tail: f64,
+    /// The same with guiding.
+    pub guided_tail: f64,
     /// Rays of a guided path.
     pub guided_rays: f64,
     /// Rays of an unguided path.
@@ -61,57 +75,81 @@ pub struct Verdict {
 impl Verdict {
     /// How much less work guiding takes to the same error: above 1 it pays.
     pub fn gain(&self) -> f64 {
-        let cost = |variance: f64, rays: f64| (variance * rays).max(f64::MIN_POSITIVE);
-        cost(self.unguided, self.unguided_rays) / cost(self.guided, COST * self.guided_rays)
+        let cost = |error: f64, path: f64| (error * path).max(f64::MIN_POSITIVE);
+        cost(self.unguided, effort::path(self.unguided_rays))
+            / cost(
+                self.guided,
+                effort::guided_path(self.guided_rays, self.unguided_rays),
+            )
     }
 
     /// Whether to go on guiding.
     pub fn pays(&self) -> bool {
         // Nothing to tell apart: a black image, or no light at all.
         let even = self.guided <= 0.0 && self.unguided <= 0.0;
-        even || self.tail > HEAVY || self.is_ahead() || self.light_found < 1.0 - MISSED
+        let fear = self.tail > HEAVY && self.guided_tail < self.tail;
+        even || fear || self.is_ahead() || self.light_found < 1.0 - MISSED
     }
 
     /// Whether guiding is ahead but for the worst pixels, or may soon be.
     pub fn is_ahead(&self) -> bool {
-        self.gain() * PATIENCE >= 1.0
+        self.gain() * PATIENCE[usize::from(self.again)] >= 1.0
+    }
+
+    /// Whether more lessons may change it.
+    pub fn is_doubtful(&self) -> bool {
+        !self.again && self.gain() < CLEAR
+    }
+
+    /// Whether it is sure enough that guiding pays to learn all that is worth it.
+    pub fn is_promising(&self) -> bool {
+        self.pays() && (self.gain() >= 1.0 || !self.is_ahead())
     }
 }
 
-/// Renders the trial's tiles both ways. What came of it, and how often it pays to aim at suns and lamps.
-pub(super) fn trial(job: &Job, film: &FilmDescription, guide: &Guide) -> (Verdict, f32) {
-    let (guided, guided_rays) = half(job, film, Some(guide));
-    let (unguided, unguided_rays) = half(job, film, None);
+/// Renders tiles both ways, each by about so many paths. What came of it, and how often it pays to aim at suns and lamps.
+pub(super) fn trial(
+    job: &Job,
+    film: &FilmDescription,
+    guide: &Guide,
+    paths: u64,
+) -> (Verdict, f32) {
+    let scope = Scope::new(film, paths);
+    let (guided, unguided) = (
+        scope.both(job, film, Some(guide)),
+        scope.both(job, film, None),
+    );
     let mut verdict = Verdict {
-        guided_rays,
-        unguided_rays,
+        guided_rays: guided.rays,
+        unguided_rays: unguided.rays,
         ..Verdict::default()
     };
     let (mut light, mut light_unguided) = (0.0, 0.0);
     let mut aims = pays::Trial::default();
-    let (mut of_guided, mut of_unguided) = (Vec::new(), Vec::new());
-    for ((a, found), (b, _)) in guided.iter().zip(&unguided) {
-        let (mean, mean_unguided) = (mean(a), mean(b));
-        light += mean * a.area() as f64;
-        light_unguided += mean_unguided * b.area() as f64;
-        let scale = scale(0.5 * (mean + mean_unguided));
-        aims.add(found, scale.sqrt());
-        of_guided.extend(a.pixels.iter().map(|p| variance(p) / scale));
-        of_unguided.extend(b.pixels.iter().map(|p| variance(p) / scale));
+    let (mut of_guided, mut of_unguided, mut variances) = (Vec::new(), Vec::new(), Vec::new());
+    for (a, b) in guided.pairs().zip(unguided.pairs()) {
+        let (mean_a, mean_b) = (mean_of(a), mean_of(b));
+        light += mean_a * a[0].area() as f64;
+        light_unguided += mean_b * b[0].area() as f64;
+        let scale = scale(0.5 * (mean_a + mean_b));
+        of_guided.extend(scope.errors(a).map(|e| e / scale));
+        of_unguided.extend(scope.errors(b).map(|e| e / scale));
+        variances.extend(a[0].pixels.iter().map(|p| variance(p) / scale));
     }
-    let (tail, tail_unguided);
-    (verdict.guided, tail) = trimmed(&mut of_guided);
-    (verdict.unguided, tail_unguided) = trimmed(&mut of_unguided);
-    verdict.tail = tail.max(tail_unguided);
+    for (tile, found) in guided.tiles[0].iter().zip(&guided.gains) {
+        aims.add(found, scale(mean(tile)).sqrt());
+    }
+    (verdict.guided_tail, verdict.tail) = (tail(&mut of_guided), tail(&mut of_unguided));
+    let most = most(&of_guided, &of_unguided);
+    (verdict.guided, verdict.unguided) = (cut_mean(&of_guided, most), cut_mean(&of_unguided, most));
     verdict.light_found = if light > 0.0 {
         light_unguided / light
     } else {
         1.0
     };
-    (
-        verdict,
-        aims.best(samples(&of_guided), verdict.guided, guided_rays),
-    )
+    let samples = variances.len() as f64 * scope.samples as f64;
+    let (variance, _) = trimmed(&mut variances);
+    (verdict, aims.best(samples, variance, guided.rays))
 }
 
 /// How often it pays to aim at suns and lamps where a view is guided by a field that was learned before.
@@ -121,16 +159,18 @@ pub fn aim(view: &View, guide: &mut Guide) {
     }
     let observer = Unwatched;
     let job = Job::new(view, &observer, 0);
-    let (tiles, rays) = half(&job, view.film, Some(guide));
+    let scope = Scope::new(view.film, u64::MAX);
+    let way = scope.render(&job, view.film, Some(guide), &SETS[..1]);
     let mut aims = pays::Trial::default();
     let mut variances = Vec::new();
-    for (tile, found) in &tiles {
+    for (tile, found) in way.tiles[0].iter().zip(&way.gains) {
         let scale = scale(mean(tile));
         aims.add(found, scale.sqrt());
         variances.extend(tile.pixels.iter().map(|p| variance(p) / scale));
     }
+    let samples = variances.len() as f64 * scope.samples as f64;
     let (variance, _) = trimmed(&mut variances);
-    guide.aim(aims.best(samples(&variances), variance, rays));
+    guide.aim(aims.best(samples, variance, way.rays));
 }
 
 /// Nobody looks on.
@@ -143,46 +183,123 @@ impl Observer for Unwatched {
     }
 }
 
-/// The trial's tiles rendered one way, and rays a path.
-fn half(job: &Job, film: &FilmDescription, guide: Option<&Guide>) -> (Vec<(Tile, Gains)>, f64) {
-    let shard = Shard {
-        index: 0,
-        count: SHARE,
-    };
-    let mut film = Film::shard(film, shard);
-    let walk = Walk {
-        guide: guide.map(Into::into),
-        ..job.view.walk()
-    };
-    let before = job.rays();
-    let trial = Iteration::new(SAMPLES.start, None);
-    let gains: Vec<Gains> = film
-        .tiles_mut()
-        .par_iter_mut()
-        .with_max_len(1)
-        .map(|tile| {
-            let mut gains = Gains::default();
-            let ends = job.observer.should_stop() || job.has_given_up();
-            if tile.is_held() && !ends {
-                let part = trial.part(SAMPLES, 0);
-                job.take_samples(&walk, tile, part, &mut gains, |_, _, _| {});
-            }
-            gains
+/// How large a trial is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Scope {
+    /// One tile in so many,
+    share: u32,
+    /// and so many samples of each of their pixels by each point set.
+    samples: u64,
+}
+
+/// Tiles rendered one way.
+struct Way {
+    /// By point set.
+    tiles: Vec<Vec<Tile>>,
+    /// What aiming brought in each tile, by the first set.
+    gains: Vec<Gains>,
+    /// Rays a path.
+    rays: f64,
+}
+
+impl Way {
+    /// Tile by tile, as both sets show it.
+    fn pairs(&self) -> impl Iterator<Item = [&Tile; 2]> {
+        let sets = self.tiles[0].iter().zip(&self.tiles[1]);
+        sets.map(|(a, b)| [a, b])
+    }
+}
+
+impl Scope {
+    /// One for about so many paths of both sets together: many tiles rather than many samples, for an image has many
+    /// places; at most an eighth of the film.
+    fn new(film: &FilmDescription, paths: u64) -> Self {
+        let all = Film::vacant(film.crop.unwrap_or([0, 0, film.width, film.height]));
+        let tiles = all.tiles().len().max(1) as u64;
+        let pixels: u64 = all.tiles().iter().map(|t| t.area() as u64).sum();
+        let each = (pixels / tiles).max(1) * SETS.len() as u64;
+        let most = (tiles / u64::from(SHARE))
+            .max(FEWEST_TILES.min(tiles))
+            .max(1);
+        let samples = (paths / (each * most)).clamp(LEAST, MOST);
+        let wanted = (paths / (each * samples))
+            .clamp(FEWEST_TILES.min(most), most)
+            .max(1);
+        Self {
+            share: (tiles / wanted).max(1) as u32,
+            samples,
+        }
+    }
+
+    /// The tiles by both point sets.
+    fn both(&self, job: &Job, film: &FilmDescription, guide: Option<&Guide>) -> Way {
+        self.render(job, film, guide, &SETS)
+    }
+
+    fn render(
+        &self,
+        job: &Job,
+        film: &FilmDescription,
+        guide: Option<&Guide>,
+        sets: &[u64],
+    ) -> Way {
+        let walk = Walk {
+            guide: guide.map(Into::into),
+            ..job.view.walk()
+        };
+        let before = job.rays();
+        let shard = Shard {
+            index: 0,
+            count: self.share,
+        };
+        let (mut tiles, mut gains, mut paths) = (Vec::new(), Vec::new(), 0);
+        for &begin in sets {
+            let mut film = Film::shard(film, shard);
+            let found = take(job, &walk, &mut film, begin..begin + self.samples);
+            paths += film.held_pixels() * self.samples;
+            let held = |tile: &&Tile| tile.is_held();
+            tiles.push(film.tiles().iter().filter(held).cloned().collect());
+            gains.push(found);
+        }
+        Way {
+            tiles,
+            gains: gains.swap_remove(0),
+            rays: (job.rays() - before) as f64 / paths.max(1) as f64,
+        }
+    }
+
+    /// The errors of a tile's pixels that both sets have rendered, each that of a single sample: squared, mean over the
+    /// channels.
+    fn errors<'t>(&self, [a, b]: [&'t Tile; 2]) -> impl Iterator<Item = f64> + use<'t> {
+        let samples = self.samples as f64;
+        a.pixels.iter().zip(&b.pixels).map(move |(p, q)| {
+            let squares = p
+                .mean()
+                .into_iter()
+                .zip(q.mean())
+                .map(|(x, y)| (x - y).powi(2));
+            samples * squares.sum::<f64>() / 6.0
         })
-        .collect();
-    let paths = (film.held_pixels() * (SAMPLES.end - SAMPLES.start)).max(1);
-    let rays = (job.rays() - before) as f64 / paths as f64;
-    let tiles = film.tiles().iter().cloned().zip(gains);
-    let tiles = tiles.filter(|(tile, _)| tile.is_held());
-    (tiles.collect(), rays)
+    }
 }
 
-/// Samples of all these pixels.
-fn samples(pixels: &[f64]) -> f64 {
-    pixels.len() as f64 * (SAMPLES.end - SAMPLES.start) as f64
+/// Takes these samples of the tiles that a film holds; what aiming brought in each.
+fn take(job: &Job, walk: &Walk, film: &mut Film, samples: Range<u64>) -> Vec<Gains> {
+    // A point set of its own.
+    let iteration = Iteration::new(samples.start, None);
+    let of_tile = |tile: &mut Tile| {
+        let mut gains = Gains::default();
+        if !job.observer.should_stop() && !job.has_given_up() {
+            let part = iteration.part(samples.clone(), 0);
+            job.take_samples(walk, tile, part, &mut gains, |_, _, _| {});
+        }
+        gains
+    };
+    let tiles = film.tiles_mut().par_iter_mut().with_max_len(1);
+    tiles.filter(|tile| tile.is_held()).map(of_tile).collect()
 }
 
-/// What a variance is relative to in a tile of this mean.
+/// What an error is relative to in a tile of this mean.
 fn scale(mean: f64) -> f64 {
     mean.powi(2) + FLOOR
 }
@@ -195,6 +312,11 @@ fn mean(tile: &Tile) -> f64 {
         .map(|p| p.mean().iter().sum::<f64>())
         .sum();
     sum / (3 * tile.pixels.len().max(1)) as f64
+}
+
+/// Mean of a tile by both sets.
+fn mean_of([a, b]: [&Tile; 2]) -> f64 {
+    0.5 * (mean(a) + mean(b))
 }
 
 /// Variance of a sample, mean over the channels.
@@ -212,47 +334,24 @@ fn trimmed(values: &mut [f64]) -> (f64, f64) {
     (without, tail)
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn one_pixel_in_a_hundred_is_left_out() {
-        let mut values = vec![2.0; 200];
-        (values[17], values[80]) = (1e3, 3e3);
-        let (mean, tail) = trimmed(&mut values);
-        assert!((mean - 2.0).abs() < 1e-12);
-        assert!((tail - (198.0 * 2.0 + 4e3) / 200.0 / 2.0).abs() < 1e-9);
-        assert_eq!(trimmed(&mut []), (0.0, 1.0));
-        assert_eq!(trimmed(&mut [0.0; 5]), (0.0, 1.0));
-    }
-
-    #[test]
-    fn guiding_stops_where_it_is_beaten_unless_light_is_missed() {
-        let even = Verdict {
-            guided: 1.0,
-            unguided: 2.0,
-            guided_rays: 5.0,
-            unguided_rays: 5.0,
-            tail: 1.5,
-            light_found: 1.0,
-        };
-        assert!((even.gain() - 1.0).abs() < 1e-12 && even.pays());
-        let beaten = Verdict {
-            unguided: 1.0,
-            ..even
-        };
-        assert!((beaten.gain() - 0.5).abs() < 1e-12 && !beaten.pays());
-        let dark = Verdict {
-            light_found: 0.9,
-            ..beaten
-        };
-        assert!(dark.pays());
-        let wild = Verdict {
-            tail: 50.0,
-            ..beaten
-        };
-        assert!(wild.pays());
-        assert!(Verdict::default().pays());
-    }
+/// How much larger the mean is with the worst. Sorts.
+fn tail(values: &mut [f64]) -> f64 {
+    trimmed(values).1
 }
+
+/// What a pixel counts for at most: the mean of both ways' pixels without the worst, times the cube root of their number.
+/// (With the square root of two thousand, the errors of an office by two ways that differ by a tenth came out as 0.105 and
+/// 0.173 instead of 0.19 and 0.19.)
+fn most(guided: &[f64], unguided: &[f64]) -> f64 {
+    let mut all: Vec<f64> = guided.iter().chain(unguided).copied().collect();
+    let root = (all.len() as f64).cbrt();
+    trimmed(&mut all).0 * root
+}
+
+/// The mean of values, each cut at the most that it may be.
+fn cut_mean(values: &[f64], most: f64) -> f64 {
+    values.iter().map(|v| v.min(most)).sum::<f64>() / values.len().max(1) as f64
+}
+
+#[cfg(test)]
+mod tests;

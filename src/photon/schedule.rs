@@ -6,8 +6,7 @@
 //! closed room each lands five times, and a million do. A preview of a second needs a coarse field, a render
 //! of an hour a fine one. So, unless a number is given, batches go on until
 //!
-//! * the next one would cost more than its share of the render: as many photons and landings as the image
-//!   has samples (both cost about an eighth of a sample), or a share of the time that is allowed;
+//! * the next one would cost more than its share of the render's work, or of the time that is allowed;
 //! * or the last one has taught next to nothing: what refining gained by it is small beside what remains, and
 //!   there were enough photons and landings to tell.
 //!
@@ -18,16 +17,14 @@ use std::ops::Range;
 use std::time::Duration;
 
 /// Photons of the first batch, where the number is not given.
-const FIRST: u64 = 1 << 14;
-/// Share of a time limit that photons may take.
-const SHARE_OF_TIME: f64 = 0.1;
+const FIRST: u64 = 1 << 12;
 /// A batch that lowers the divergence by less than this, in nats, ends learning from photons. (In
 /// veach-ajar the batch that makes a million gains 0.027, in the Cornell box 0.04, in a kitchen lit by a
 /// window the one that makes four million 0.21.)
 const LITTLE: f64 = 0.02;
 /// Fewer photons cannot tell that nothing is left to learn: of a caustic's they may have met none. (A glass ball
 /// and a ring under a small lamp: 43 cells after the first batch.)
-const TELLING: u64 = 15 * FIRST;
+const TELLING: u64 = 63 * FIRST;
 /// Nor can fewer landings: where one photon in a hundred lands, a batch fills no cell so far that dividing it would gain
 /// anything. (A pool under a small sun, two of four seeds: 0.5 million photons and 5000 landings instead of 2 million and
 /// 21 000; relMSE of 64 samples 0.24 and 0.21 instead of 0.09.)
@@ -73,6 +70,8 @@ pub struct Experience {
     pub landings: u64,
     /// Fall of the divergence by refining, nats.
     pub gain: f64,
+    /// What it cost, in samples of the image.
+    pub work: f64,
     /// Time since learning began.
     pub elapsed: Duration,
 }
@@ -84,7 +83,13 @@ pub struct Schedule {
     next: u64,
     size: u64,
     landings: u64,
-    ended: bool,
+    /// What batches have cost, in samples of the image, and the share of the render's that they may.
+    work: f64,
+    share: f64,
+    /// Nothing is left to learn.
+    learned: bool,
+    /// How long learning takes.
+    elapsed: Duration,
     /// Ranges that are left, last first.
     fixed: Vec<Range<u64>>,
 }
@@ -105,7 +110,10 @@ impl Schedule {
             next: 0,
             size: FIRST,
             landings: 0,
-            ended: false,
+            work: 0.0,
+            share: 1.0,
+            learned: false,
+            elapsed: Duration::ZERO,
             fixed,
         }
     }
@@ -115,7 +123,7 @@ impl Schedule {
         if matches!(self.budget, Budget::Exactly { .. }) {
             return self.fixed.pop();
         }
-        if self.ended {
+        if self.next > 0 && self.has_ended() {
             return None;
         }
         let batch = self.next..self.next + self.size;
@@ -124,22 +132,30 @@ impl Schedule {
         Some(batch)
     }
 
+    /// Lets batches take this share of the render, its work and its time, in all.
+    pub fn open(&mut self, share: f64) {
+        self.share = share;
+    }
+
     /// Takes note of what the last batch came to.
     pub fn learned(&mut self, experience: Experience) {
-        let Budget::AsNeeded { samples, time } = self.budget else {
-            return;
-        };
         self.landings += experience.landings;
-        // The next batch is as large as all before it: it doubles what was spent.
-        let work = 2 * (self.next + self.landings);
-        let too_much = work > samples;
-        let too_long = time.is_some_and(|t| {
-            2.0 * experience.elapsed.as_secs_f64() > SHARE_OF_TIME * t.as_secs_f64()
-        });
+        self.work += experience.work;
+        self.elapsed = experience.elapsed;
         let telling = self.next >= TELLING && self.landings >= TELLING_LANDINGS;
-        let learned = telling && experience.gain < LITTLE;
-        let enough = learned || 2 * self.next > MOST;
-        self.ended = too_much || too_long || enough;
+        self.learned = telling && experience.gain < LITTLE;
+    }
+
+    /// Whether another batch is not worth it.
+    fn has_ended(&self) -> bool {
+        let Budget::AsNeeded { samples, time } = self.budget else {
+            return self.fixed.is_empty();
+        };
+        // The next batch is as large as all before it: it doubles what was spent.
+        let too_much = 2.0 * self.work > self.share * samples as f64;
+        let too_long =
+            time.is_some_and(|t| 2.0 * self.elapsed.as_secs_f64() > self.share * t.as_secs_f64());
+        too_much || too_long || self.learned || 2 * self.next > MOST
     }
 }
 
@@ -208,6 +224,7 @@ mod tests {
         move |photons| Experience {
             landings: (photons.end - photons.start) * times,
             gain,
+            work: ((photons.end - photons.start) * (1 + times)) as f64,
             elapsed: Duration::from_micros(photons.end * times),
         }
     }
@@ -232,8 +249,8 @@ mod tests {
         };
         // A preview gets one batch; a large image more; less where each photon lands often.
         assert_eq!(of(1000, 5, 1.0), FIRST);
-        assert_eq!(of(6 << 20, 5, 1.0), 63 * FIRST);
-        assert_eq!(of(6 << 20, 0, 1.0), 255 * FIRST);
+        assert_eq!(of(6 << 20, 5, 1.0), 255 * FIRST);
+        assert_eq!(of(6 << 20, 0, 1.0), 1023 * FIRST);
         // Nothing left to learn, or no end of learning.
         assert_eq!(of(u64::MAX, 1, 0.001), TELLING);
         assert_eq!(of(u64::MAX, 0, 1.0), MOST - FIRST);
@@ -246,12 +263,30 @@ mod tests {
             landings: (batch.end - batch.start) / 64,
             ..lands(0, 0.001)(batch)
         });
-        assert_eq!(seldom, 255 * FIRST);
+        assert_eq!(seldom, 1023 * FIRST);
+    }
+
+    #[test]
+    fn a_second_helping_goes_on_where_the_first_has_ended() {
+        let samples = 1 << 24;
+        let time = None;
+        let mut schedule = Schedule::new(Budget::AsNeeded { samples, time });
+        let mut ends = Vec::new();
+        for share in [0.02, 0.02, 0.12] {
+            schedule.open(share);
+            while let Some(batch) = schedule.next_batch() {
+                schedule.learned(lands(1, 1.0)(batch));
+            }
+            ends.push(schedule.next as f64 * 2.0 / samples as f64);
+        }
+        assert!(ends[0] <= 0.02 && 2.0 * ends[0] > 0.02, "{ends:?}");
+        assert_eq!(ends[1], ends[0]);
+        assert!(ends[2] <= 0.12 && 2.0 * ends[2] > 0.12, "{ends:?}");
     }
 
     #[test]
     fn photons_take_a_share_of_the_time() {
-        let time = Some(Duration::from_secs(20));
+        let time = Some(Duration::from_secs(2));
         let samples = u64::MAX;
         // A microsecond a photon, two seconds in all, and no batch is begun that would pass them.
         let n = photons(Budget::AsNeeded { samples, time }, lands(1, 1.0));

@@ -52,6 +52,8 @@ pub struct Stats {
     pub train_seconds: f64,
     /// Bytes of the learned field; 0 without one.
     pub field_memory_bytes: u64,
+    /// Most bytes that learning held on the way: trees, and the records that they learned from; 0 without it.
+    pub learning_memory_bytes: u64,
     /// Rendering.
     pub render_seconds: f64,
     /// Writing the images.

@@ -139,6 +139,7 @@ pub fn field_of(built: &Built) -> Guide {
         batches: 4,
         memory: 16 << 20,
         mixture: None,
+        trial: true,
         photon: PhotonSettings {
             max_bounces: 11,
             roulette_after: 3,

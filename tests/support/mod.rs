@@ -333,6 +333,7 @@ pub fn how(photons: u64, paths: u64) -> LearnSettings {
         batches: 6,
         memory: 32 << 20,
         mixture: None,
+        trial: true,
         photon,
         // What the program takes unless it is told otherwise.
         model: ModelKind::Gauss,

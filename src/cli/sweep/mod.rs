@@ -118,7 +118,6 @@ impl Subject {
             size: (film.width, film.height),
             exposure: film.exposure,
             traits: SceneTraits {
-                sampler: loaded.description.render.sampler,
                 textures: loaded.textures().count > 0,
             },
             reference: crate::image::read_linear(&args.reference)?,

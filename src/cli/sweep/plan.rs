@@ -6,9 +6,8 @@
 
 use crate::cli::Failure;
 use crate::cli::args::{Accel, AccelBuild, Cli, Sampler};
-use crate::cli::field_args::{Aim, Guide, GuideModel, RouletteBy, Teachers};
+use crate::cli::field_args::{Aim, Guide, GuideModel, RouletteBy, Teachers, Trial};
 use crate::report::sweep::Configuration;
-use crate::scene::description::SamplerKind;
 use clap::{Parser, ValueEnum};
 use serde::Deserialize;
 use std::collections::{BTreeMap, HashSet};
@@ -37,8 +36,6 @@ struct PlanFile {
 /// What the built-in plan has to know of a scene.
 #[derive(Clone, Copy, Debug)]
 pub struct SceneTraits {
-    /// Its sampler: the other one is tried without a field, too.
-    pub sampler: SamplerKind,
     /// Whether it has textures.
     pub textures: bool,
 }
@@ -85,7 +82,8 @@ pub fn built_in(scene: SceneTraits) -> Vec<Configuration> {
     plan.turn("reuse", "1");
     plan.turn("reuse", "8");
     plan.turn_all("aim", &[Aim::Auto]);
-    // What guided paths have unless told otherwise.
+    plan.turn_all("trial", &[Trial::Auto]);
+    // What paths have unless told otherwise.
     plan.turn_all("sampler", &[Sampler::Sobol]);
     if cfg!(feature = "embree") {
         plan.turn_all("accel", &[Accel::Embree]);
@@ -95,14 +93,7 @@ pub fn built_in(scene: SceneTraits) -> Vec<Configuration> {
     if scene.textures {
         plan.turn("half-textures", "on");
     }
-    let other = match scene.sampler {
-        SamplerKind::Independent => "sobol",
-        SamplerKind::Sobol => "independent",
-    };
-    plan.combine(
-        &format!("plain-{other}"),
-        &format!("--guide none --sampler {other}"),
-    );
+    plan.combine("plain-independent", "--guide none --sampler independent");
     plan.combine(
         "quick-learning",
         "--photons 50000 --paths 250000 --batches 4",
@@ -236,11 +227,8 @@ mod tests {
 
     #[test]
     fn the_built_in_plan_is_one_that_the_command_line_takes() {
-        for sampler in [SamplerKind::Independent, SamplerKind::Sobol] {
-            let plan = built_in(SceneTraits {
-                sampler,
-                textures: true,
-            });
+        for textures in [false, true] {
+            let plan = built_in(SceneTraits { textures });
             check(&plan, &[]).unwrap();
             assert!(plan.len() > 20);
             assert!(

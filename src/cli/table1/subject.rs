@@ -96,8 +96,6 @@ impl Subject {
             camera: Camera::new(&description.camera, film.width, film.height),
             settings: PathSettings {
                 reuse: args.reuse,
-                // The same points for all methods.
-                sampler: overrides::guided_sampler(&args.light),
                 ..overrides::path_settings(&args.light, &description.render)
             },
             loaded,
@@ -172,6 +170,7 @@ impl Subject {
             },
             paths: 0,
             mixture: None,
+            trial: true,
             batches,
             memory: self.memory,
             photon: PhotonSettings {

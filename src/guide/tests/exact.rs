@@ -93,7 +93,7 @@ fn a_batch_in_parts_is_the_batch() {
         let mut whole = base.clone();
         whole.train_paths(&s);
         let mut cut = base;
-        cut.train_paths_in_parts(&parts);
+        cut.train_on_paths(parts);
         for t in [&mut whole, &mut cut] {
             t.refine_rounds(2);
         }
