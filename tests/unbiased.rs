@@ -9,6 +9,7 @@
 mod support;
 
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 use std::sync::OnceLock;
 use support::{Built, SceneMaker, Silent, film_mean, how, inside_of_cube, mesh};
 use twintree::accel::{Backend, ExactKind};
@@ -89,10 +90,11 @@ fn truth() -> (f64, f64) {
     })
 }
 
-/// Renders many times with a learner and compares the mean with the truth.
-fn check(path: &PathSettings, limits: Limits) {
+/// Renders many times with a learner and compares the mean with the truth. Returns the different numbers of
+/// samples a pixel that were taken.
+fn check(path: &PathSettings, limits: Limits) -> BTreeSet<u64> {
     let scene = patches();
-    let means: Vec<f64> = (0..RENDERS)
+    let (means, spp): (Vec<f64>, Vec<u64>) = (0..RENDERS)
         .into_par_iter()
         .map(|seed| {
             let path = PathSettings {
@@ -106,9 +108,9 @@ fn check(path: &PathSettings, limits: Limits) {
             let mut film = Film::new(&scene.film);
             let taught = Some(&mut learner);
             resume(&view, taught, &mut film, &limits, Spent::default(), &Silent);
-            film_mean(&film).0
+            (film_mean(&film).0, film.spp_done())
         })
-        .collect();
+        .unzip();
     let (mean, error) = mean_of(&means);
     let (truth, truth_error) = truth();
     let error = error.hypot(truth_error);
@@ -120,6 +122,7 @@ fn check(path: &PathSettings, limits: Limits) {
     );
     assert!(error < 0.003 * truth, "too noisy to see one per cent");
     assert!(z.abs() < 3.3, "biased by {:.2} %", 100.0 * bias);
+    spp.into_iter().collect()
 }
 
 fn samples(spp: u64) -> Limits {
@@ -167,13 +170,18 @@ fn with_shared_paths() {
     check(&path, samples(16));
 }
 
-/// A render that stops where its own noise is low enough.
+/// A render that stops where its own noise is low enough: now after fewer samples, now after more.
 #[test]
 fn with_a_stop_at_a_noise() {
+    let scene = patches();
     let path = settings(SamplerKind::Sobol);
+    let (film, _) = scene.render(&path, 32);
+    let noise = film.noise().expect("there are samples").at_most();
     let limits = Limits {
-        noise: Some(0.5),
+        noise: Some(noise),
         ..samples(256)
     };
-    check(&path, limits);
+    let stops = check(&path, limits);
+    println!("samples a pixel: {stops:?}");
+    assert!(stops.len() > 1, "all renders stop at the same number");
 }

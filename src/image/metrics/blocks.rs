@@ -33,11 +33,9 @@ impl KnownNoise {
         let Some(noise) = self.noise.as_ref().filter(|_| side > 1) else {
             return 1.0;
         };
-        // Overlapping by half: a small image has few blocks that do not.
-        let [independent, noise] = [&self.variance, noise].map(|pixels| Blocks {
-            step: side / 2,
-            ..Blocks::new(width, pixels, side)
-        });
+        // The same blocks that are tested: paths are shared within tiles, which blocks may divide.
+        let [independent, noise] =
+            [&self.variance, noise].map(|pixels| Blocks::new(width, pixels, side));
         let mut ratios = (0.0, 0u64);
         for (mean, variance) in noise.means().zip(independent.means()) {
             for c in 0..3 {
@@ -67,8 +65,6 @@ struct Blocks<'i> {
     pixels: &'i [Rgb],
     width: usize,
     side: usize,
-    /// From one block to the next.
-    step: usize,
 }
 
 impl<'i> Blocks<'i> {
@@ -77,7 +73,6 @@ impl<'i> Blocks<'i> {
             pixels,
             width,
             side,
-            step: side,
         }
     }
 
@@ -87,13 +82,11 @@ impl<'i> Blocks<'i> {
             pixels,
             width,
             side,
-            step,
         } = *self;
-        let places = |length: usize| (length + step).saturating_sub(side) / step;
-        let (across, down) = (places(width), places(pixels.len() / width));
+        let (across, down) = (width / side, pixels.len() / width / side);
         let number = (side * side) as f64;
         (0..across * down).map(move |block| {
-            let first = block / across * step * width + block % across * step;
+            let first = (block / across * width + block % across) * side;
             let mut sum = [0.0; 3];
             for y in 0..side {
                 for pixel in &pixels[first + y * width..][..side] {
