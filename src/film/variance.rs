@@ -29,6 +29,8 @@ use std::ops::AddAssign;
 
 /// A pixel's variance is averaged with those around it by these weights on each axis.
 const SMOOTH: [f32; 5] = [1.0, 2.0, 3.0, 2.0, 1.0];
+/// Largest number of an image: sums over a window of 81 pixels stay finite.
+const LARGEST: f64 = f32::MAX as f64 / 256.0;
 /// Pixels of an average neighbourhood's ratio that the ratio of the whole film counts for.
 const PRIOR: f64 = 64.0;
 /// Variances of the means of a film's pixels over renders with other seeds.
@@ -152,8 +154,7 @@ impl Film {
         let mut image = vec![0.0; self.width() as usize * self.height() as usize];
         for (number, tile) in self.tiles.iter().enumerate() {
             for (i, pixel) in tile.pixels.iter().enumerate() {
-                let most = f64::from(f32::MAX);
-                image[self.row_major(tile.place(i))] = value(number, pixel).min(most) as f32;
+                image[self.row_major(tile.place(i))] = value(number, pixel).min(LARGEST) as f32;
             }
         }
         image

@@ -35,23 +35,24 @@ fn worded(error: &dyn std::fmt::Display, place: &str) {
     assert!(text.len() < 4000, "{} bytes of message", text.len());
 }
 
-/// Loads a scene's text and renders a thumbnail of it. Whether it loaded.
+/// Loads a scene's text and renders a thumbnail of it; leniently, if it is refused otherwise. Whether it is
+/// not.
 pub fn xml(text: &[u8]) -> bool {
     let directory = tempfile::tempdir().expect("a directory");
     let path = directory.path().join("scene.xml");
     std::fs::write(&path, text).expect("the scene is written");
     let mut options = ImportOptions::new(Arc::new(TextureStore::new(1 << 20)));
-    options.lenient = true;
-    match mitsuba::load(&path, &options) {
-        Err(error) => {
-            worded(&error, "scene.xml");
-            false
-        }
-        Ok(description) => {
-            thumbnail(description);
-            true
+    for lenient in [false, true] {
+        options.lenient = lenient;
+        match mitsuba::load(&path, &options) {
+            Err(error) => worded(&error, "scene.xml"),
+            Ok(description) => {
+                thumbnail(description);
+                return !lenient;
+            }
         }
     }
+    false
 }
 
 /// Renders 4 x 4 pixels. All numbers of the image are finite.
