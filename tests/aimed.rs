@@ -235,7 +235,11 @@ fn aiming_lowers_the_noise_and_is_the_same_for_any_number_of_threads() {
             let (value, truth) = (film.pixel(x, y).mean()[1], reference.pixel(x, y).mean()[1]);
             (value - truth).powi(2) / (truth * truth + 0.01)
         });
-        terms.sum::<f64>() / f64::from(film.width() * film.height())
+        // The lamp itself, mirrored in glass, is a few pixels with most of the error in either.
+        let mut terms: Vec<f64> = terms.collect();
+        terms.sort_unstable_by(f64::total_cmp);
+        terms.truncate(terms.len() * 99 / 100);
+        terms.iter().sum::<f64>() / terms.len() as f64
     };
     let (without, with) = (error(&image(2, 0.0)), error(&aimed));
     println!("relative error {without:.5}, aimed {with:.5}");

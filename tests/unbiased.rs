@@ -90,6 +90,17 @@ fn truth() -> (f64, f64) {
     })
 }
 
+/// Renders with a learner.
+fn render(scene: &Built, path: &PathSettings, limits: &Limits) -> Film {
+    let view = scene.view(path, None);
+    // Camera paths alone teach: they are the samples that must not decide about themselves.
+    let mut learner = Learner::new(&view, &how(0, 1 << 30)).expect("a field is learned");
+    let mut film = Film::new(&scene.film);
+    let taught = Some(&mut learner);
+    resume(&view, taught, &mut film, limits, Spent::default(), &Silent);
+    film
+}
+
 /// Renders many times with a learner and compares the mean with the truth. Returns the different numbers of
 /// samples a pixel that were taken.
 fn check(path: &PathSettings, limits: Limits) -> BTreeSet<u64> {
@@ -101,13 +112,7 @@ fn check(path: &PathSettings, limits: Limits) -> BTreeSet<u64> {
                 seed: 1000 + seed,
                 ..path.clone()
             };
-            let view = scene.view(&path, None);
-            // Camera paths alone teach: they are the samples that must not decide about themselves.
-            let how = how(0, 1 << 30);
-            let mut learner = Learner::new(&view, &how).expect("a field is learned");
-            let mut film = Film::new(&scene.film);
-            let taught = Some(&mut learner);
-            resume(&view, taught, &mut film, &limits, Spent::default(), &Silent);
+            let film = render(&scene, &path, &limits);
             (film_mean(&film).0, film.spp_done())
         })
         .unzip();
@@ -173,9 +178,8 @@ fn with_shared_paths() {
 /// A render that stops where its own noise is low enough: now after fewer samples, now after more.
 #[test]
 fn with_a_stop_at_a_noise() {
-    let scene = patches();
     let path = settings(SamplerKind::Sobol);
-    let (film, _) = scene.render(&path, 32);
+    let film = render(&patches(), &path, &samples(32));
     let noise = film.noise().expect("there are samples").at_most();
     let limits = Limits {
         noise: Some(noise),

@@ -86,8 +86,8 @@ fn a_tree_that_does_not_fit_is_refused_in_words() {
     let child = place.spawn("render scene.xml -o small.exr --spp 1000000000");
     // By then it renders, with all its threads.
     std::thread::sleep(Duration::from_secs(3));
-    // Enough for the mesh (170 MB, its file included), not for 400 MB of trees beside it.
-    let limit = held(&child, "VmSize:") + (400 << 20);
+    // Not enough for 380 MiB of trees.
+    let limit = held(&child, "VmSize:") + (200 << 20);
     signal(&child, "KILL");
     wait(child);
     let scene = super::support::SCENE

@@ -28,11 +28,13 @@ impl Observer for Silent {
     }
 }
 
-/// An error must say something, and where.
+/// An error must say something, and where. A scene tells up to a hundred of its faults, a line or two each.
 fn worded(error: &dyn std::fmt::Display, place: &str) {
     let text = error.to_string();
     assert!(text.contains(place), "no place: {text}");
-    assert!(text.len() < 4000, "{} bytes of message", text.len());
+    let longest = text.lines().map(str::len).max().unwrap_or(0);
+    assert!(longest < 4000, "{longest} bytes in a line of message");
+    assert!(text.len() < 1 << 16, "{} bytes of message", text.len());
 }
 
 /// Loads a scene's text and renders a thumbnail of it; leniently, if it is refused otherwise. Whether it is
