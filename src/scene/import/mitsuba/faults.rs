@@ -13,6 +13,18 @@ use std::fmt::Write as _;
 /// Errors that are listed; the others are counted.
 const MOST_LISTED: usize = 100;
 
+/// Bytes of a message. A value of the scene that it quotes may be longer than anyone reads.
+const LONGEST: usize = 1000;
+
+/// Cuts a message that is too long.
+fn shorten(message: &mut String) {
+    if message.len() > LONGEST {
+        let end = (0..=LONGEST).rev().find(|i| message.is_char_boundary(*i));
+        message.truncate(end.unwrap_or(0));
+        message.push_str(" ...");
+    }
+}
+
 /// Something wrong, and what takes its place.
 #[derive(Clone, Debug)]
 struct Fault {
@@ -27,7 +39,8 @@ pub(super) struct Faults(RefCell<Vec<Fault>>);
 
 impl Faults {
     /// Notes what is wrong because of what stands at `at`.
-    pub fn add(&self, at: At, error: ImportError, instead: &'static str) {
+    pub fn add(&self, at: At, mut error: ImportError, instead: &'static str) {
+        shorten(&mut error.message);
         self.0.borrow_mut().push(Fault { at, error, instead });
     }
 
