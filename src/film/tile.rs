@@ -142,9 +142,9 @@ impl Pixel {
         // In f64: the product of two finite f32 would overflow beyond 3.4e38.
         let weight = worth * f64::from(s.weight);
         let values = s.radiance.to_array().map(|x| f64::from(x) * weight);
-        for c in 0..3 {
-            self.radiance[c] += values[c];
-            self.squares[c] += values[c] * values[c];
+        for (c, value) in values.into_iter().enumerate() {
+            self.radiance[c] += value;
+            self.squares[c] += value * value;
             self.albedo[c] += f64::from(s.albedo[c]);
             self.normal[c] += f64::from(s.normal[c]);
         }

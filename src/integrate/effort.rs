@@ -33,8 +33,10 @@ pub const PHOTONS: [f64; 2] = [0.005, 0.03];
 pub const LESSONS: [f64; 2] = [0.007, 0.05];
 /// What all learning after a verdict takes of it, about.
 const STILL_TO_LEARN: f64 = 0.15;
-/// What each of a trial's two ways may take of the image's samples.
+/// What each of a trial's two ways may take of the image's samples, and paths that it has in any case: fewer are too few to
+/// meet what is rare.
 pub const TRIAL: f64 = 0.012;
+const LEAST_TRIAL: u64 = 1 << 13;
 
 /// Cost of a path with so many rays.
 pub fn path(rays: f64) -> f64 {
@@ -99,7 +101,7 @@ impl Effort {
 
     /// Paths of each of a trial's two ways.
     pub fn trial(&self) -> u64 {
-        let share = |samples| (TRIAL * samples as f64) as u64;
+        let share = |samples| ((TRIAL * samples as f64) as u64).max(LEAST_TRIAL);
         self.samples.map_or(u64::MAX, share)
     }
 }

@@ -34,9 +34,9 @@ fn a_trial_has_as_many_paths_as_it_may_and_never_too_few() {
         kind: FilmKind::Hdr,
         exposure: 0.0,
     };
-    // All of a small film has too few pixels: 96 x 64 are 24 tiles.
+    // 96 x 64 pixels are 24 tiles.
     let small = Scope::new(&film(96, 64), 0);
-    assert_eq!((small.share, small.samples), (6, LEAST));
+    assert_eq!((small.share, small.samples), (3, LEAST));
     let large = Scope::new(&film(640, 320), u64::MAX);
     assert_eq!((large.share, large.samples), (SHARE, MOST));
     // 100 tiles of 800, at 256 pixels and two sets.
