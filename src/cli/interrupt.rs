@@ -3,7 +3,7 @@
 //! to save, and the first quits. Whoever quits takes unfinished files and the progress bar away.
 //!
 //! What comes twice is often one request: `timeout` signals the program and then its whole group, and a
-//! terminal that goes away sends SIGHUP, as the shell in it does. So what follows within [`ONE_REQUEST`]
+//! terminal that goes away sends SIGHUP, as the shell in it does. So what follows within `ONE_REQUEST`
 //! of the first counts with it, and a SIGHUP never makes anybody impatient.
 //!
 //! A SIGHUP that was ignored when the program began (`nohup`) stays so.

@@ -184,7 +184,7 @@ impl Pixel {
     }
 
     /// Variance of [`Pixel::mean`] over renders with other seeds if its samples are independent: that of a
-    /// mean by weights that do not depend on the samples. Sobol points have less ([`Film::variances`]).
+    /// mean by weights that do not depend on the samples. Sobol points have less ([`super::Film::variances`]).
     pub fn variance_of_mean(&self) -> [f64; 3] {
         if self.count < 2 {
             return [0.0; 3];
