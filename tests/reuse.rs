@@ -320,7 +320,9 @@ fn trace(room: &Built, field: &Guide, reuse: u32) -> [Vec<Outcome>; 2] {
     };
     let origins: Vec<Origin> = (0..4096).map(origin).collect();
     let walk = room.view(&path, Some(field)).walk();
-    let outcomes = wave.trace_image(&walk, &mut (), &origins);
+    let outcomes = wave
+        .trace_image(&walk, &mut (), &origins, &|_| false)
+        .unwrap();
     [outcomes.own, outcomes.image].map(|o| o[..4096].to_vec())
 }
 

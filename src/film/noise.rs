@@ -69,21 +69,9 @@ impl Film {
             return None;
         }
         let terms = self.relative_variances();
-        let kept = terms.len() - (terms.len() as f64 * TRIM) as usize;
-        let mut sorted = terms.clone();
-        let (_, limit, _) = sorted.select_nth_unstable_by(kept - 1, f32::total_cmp);
-        let limit = *limit;
-        // In film order, whatever the selection did to the order above: the same bits every time.
-        let (mut sum, mut square, mut below) = (0.0, 0.0, 0);
-        for &term in terms.iter().filter(|term| **term < limit) {
-            let term = f64::from(term);
-            (sum, square, below) = (sum + term, square + term * term, below + 1);
-        }
-        // Those at the limit itself, of which there may be many.
-        let at_limit = (kept - below) as f64;
-        let limit = f64::from(limit);
-        sum += at_limit * limit;
-        square += at_limit * limit * limit;
+        let left_out = (terms.len() as f64 * TRIM) as usize;
+        let (sum, square) = trimmed_sums(&terms, left_out);
+        let kept = terms.len() - left_out;
         let value = (sum / kept as f64).sqrt() as f32;
         // Each term is known to about itself where few samples make it: the sum's error is the root of
         // the sum of squares. The root halves it.
@@ -105,13 +93,12 @@ impl Film {
     fn relative_variances(&self) -> Vec<f32> {
         // Trimming is to find specks: pixels' own variances, which neighbours do not share.
         let variances = self.own_variances();
-        let values: [Vec<f32>; 3] = std::array::from_fn(|c| {
-            let image = self.row_by_row(|_, pixel| pixel.mean()[c]);
-            self.smoothed(&image, &[1.0; WINDOW])
-        });
-        let numbers = 3 * self.held_pixels();
-        let floor = FLOOR * usual(&values, numbers as usize).powi(2);
-        let mut terms = Vec::with_capacity(numbers as usize);
+        let smoothing = self.smoothing(&[1.0; WINDOW]);
+        let values = self.row_by_row(|_, pixel| pixel.mean());
+        let values = values.map(|image| smoothing.apply(&image));
+        let numbers = 3 * self.held_pixels() as usize;
+        let floor = FLOOR * usual(&values.concat(), numbers).powi(2);
+        let mut terms = Vec::with_capacity(numbers);
         for tile in &self.tiles {
             for (i, pixel) in tile.pixels.iter().enumerate() {
                 let at = self.row_major(tile.place(i));
@@ -128,13 +115,27 @@ impl Film {
 }
 
 /// Mean of the values without the brightest; `count` of them are not of missing tiles, which are 0.
-fn usual(values: &[Vec<f32>; 3], count: usize) -> f64 {
-    let mut sorted = values.concat();
-    sorted.sort_unstable_by(f32::total_cmp);
+fn usual(values: &[f32], count: usize) -> f64 {
     let brightest = (count as f64 * SPECKS) as usize;
-    sorted.truncate(sorted.len() - brightest);
-    let sum: f64 = sorted.iter().map(|x| f64::from(*x)).sum();
-    sum / (count - brightest) as f64
+    trimmed_sums(values, brightest).0 / (count - brightest) as f64
+}
+
+/// Sum of the terms and of their squares without the largest.
+fn trimmed_sums(terms: &[f32], left_out: usize) -> (f64, f64) {
+    let kept = terms.len() - left_out;
+    let mut sorted = terms.to_vec();
+    let (_, limit, _) = sorted.select_nth_unstable_by(kept - 1, f32::total_cmp);
+    let limit = *limit;
+    // In the given order, whatever the selection did to it above: the same bits every time.
+    let (mut sum, mut square, mut below) = (0.0, 0.0, 0);
+    for &term in terms.iter().filter(|term| **term < limit) {
+        let term = f64::from(term);
+        (sum, square, below) = (sum + term, square + term * term, below + 1);
+    }
+    // Those at the limit itself, of which there may be many.
+    let at_limit = (kept - below) as f64;
+    let limit = f64::from(limit);
+    (sum + at_limit * limit, square + at_limit * limit * limit)
 }
 
 /// A value of this variance, shrunk towards the mean around it (James and Stein 1961, one dimension).

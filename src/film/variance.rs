@@ -48,6 +48,14 @@ struct Contrast {
     scale: f64,
 }
 
+/// A kernel over the pixels that a film holds.
+pub(super) struct Smoothing<'a> {
+    kernel: &'a [f32],
+    size: [usize; 2],
+    /// Where some are missing: 1 for those held, and that smoothed.
+    held: Option<(Vec<f32>, Vec<f32>)>,
+}
+
 /// Sums of ratios.
 #[derive(Clone, Copy, Debug, Default)]
 struct Ratios {
@@ -104,8 +112,9 @@ impl Film {
     /// The variances of its pixels. Takes some passes over the film.
     pub fn variances(&self) -> Variances {
         let mut channels = self.own_variances();
+        let smoothing = self.smoothing(&SMOOTH);
         for own in &mut channels {
-            let around = self.smoothed(own, &SMOOTH);
+            let around = smoothing.apply(own);
             for (own, around) in own.iter_mut().zip(around) {
                 *own = 0.5 * (*own + around);
             }
@@ -116,7 +125,7 @@ impl Film {
     /// What each pixel's own samples tell of the variance of its mean, channel by channel, row by row.
     pub(super) fn own_variances(&self) -> [Vec<f32>; 3] {
         let linked = self.linked();
-        [0, 1, 2].map(|c| self.row_by_row(|tile, pixel| pixel.variance_of_mean()[c] * linked[tile]))
+        self.row_by_row(|tile, pixel| pixel.variance_of_mean().map(|v| v * linked[tile]))
     }
 
     /// Variance of the mean over that of independent samples, tile by tile.
@@ -149,33 +158,53 @@ impl Film {
         near(tile / across, rows).flat_map(move |y| columns.clone().map(move |x| y * across + x))
     }
 
-    /// A number of each pixel, row by row; 0 where the film holds no tile.
-    pub(super) fn row_by_row(&self, value: impl Fn(usize, &Pixel) -> f64) -> Vec<f32> {
-        let mut image = vec![0.0; self.width() as usize * self.height() as usize];
+    /// Numbers of each pixel, each kind row by row; 0 where the film holds no tile.
+    pub(super) fn row_by_row<const N: usize>(
+        &self,
+        numbers: impl Fn(usize, &Pixel) -> [f64; N],
+    ) -> [Vec<f32>; N] {
+        let pixels = self.width() as usize * self.height() as usize;
+        let mut images = std::array::from_fn(|_| vec![0.0; pixels]);
         for (number, tile) in self.tiles.iter().enumerate() {
             for (i, pixel) in tile.pixels.iter().enumerate() {
-                image[self.row_major(tile.place(i))] = value(number, pixel).min(LARGEST) as f32;
+                let at = self.row_major(tile.place(i));
+                for (image, number) in images.iter_mut().zip(numbers(number, pixel)) {
+                    image[at] = number.min(LARGEST) as f32;
+                }
             }
         }
-        image
+        images
     }
 
-    /// An image row by row, smoothed over the pixels that the film holds.
-    pub(super) fn smoothed(&self, image: &[f32], kernel: &[f32]) -> Vec<f32> {
+    /// What smooths images of this film.
+    pub(super) fn smoothing<'a>(&self, kernel: &'a [f32]) -> Smoothing<'a> {
         let size = [self.width() as usize, self.height() as usize];
-        let held = self.row_by_row(|_, _| 1.0);
-        let (sums, weights) = (smooth(image, size, kernel), smooth(&held, size, kernel));
-        let pixels = sums.iter().zip(&weights).zip(&held);
-        let mean = |((sum, weight), held): ((&f32, &f32), &f32)| {
-            if *held > 0.0 { sum / weight } else { 0.0 }
-        };
-        pixels.map(mean).collect()
+        let some_are_missing = self.tiles.iter().any(|t| !t.is_held());
+        let held = some_are_missing.then(|| {
+            let [held] = self.row_by_row(|_, _| [1.0]);
+            let weights = smooth(&held, size, kernel);
+            (held, weights)
+        });
+        Smoothing { kernel, size, held }
     }
 
     /// Number of a pixel of the full film in its region, row by row.
-    pub(super) fn row_major(&self, [x, y]: [u32; 2]) -> usize {
+    pub fn row_major(&self, [x, y]: [u32; 2]) -> usize {
         let [x0, y0, ..] = self.region;
         (y - y0) as usize * self.width() as usize + (x - x0) as usize
+    }
+}
+
+impl Smoothing<'_> {
+    /// An image of the film, row by row, smoothed over the pixels that the film holds.
+    pub(super) fn apply(&self, image: &[f32]) -> Vec<f32> {
+        let mut smoothed = smooth(image, self.size, self.kernel);
+        if let Some((held, weights)) = &self.held {
+            for ((mean, held), weight) in smoothed.iter_mut().zip(held).zip(weights) {
+                *mean = if *held > 0.0 { *mean / weight } else { 0.0 };
+            }
+        }
+        smoothed
     }
 }
 

@@ -26,13 +26,18 @@ impl Default for DecodeLimit {
 }
 
 impl DecodeLimit {
+    /// Bytes that a file of `file` bytes may take.
+    pub fn most(self, file: u64) -> u64 {
+        self.bytes.max(file.saturating_mul(FREE_GROWTH))
+    }
+
     /// Lets `what` pass, which takes `decoded` bytes and comes from a file of `file` bytes.
     ///
     /// # Errors
     /// When that is too much: the reason, with the numbers and the option of the command line that
     /// lets it pass.
     pub fn check(self, what: &str, decoded: u64, file: u64) -> Result<(), String> {
-        if decoded <= self.bytes.max(file.saturating_mul(FREE_GROWTH)) {
+        if decoded <= self.most(file) {
             return Ok(());
         }
         let enough = decoded.div_ceil(1 << 20);

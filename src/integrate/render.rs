@@ -383,7 +383,7 @@ impl<'a> Job<'a> {
             origins.clear();
             origins.extend(starts.iter().map(Start::origin));
             let gives_up = |edges| self.gives_up(edges);
-            let outcomes = wave.trace_image_until(walk, witness, &origins, &gives_up);
+            let outcomes = wave.trace_image(walk, witness, &origins, &gives_up);
             let Some(outcomes) = outcomes else { break };
             conclude(witness, &outcomes, &starts);
             add(tile, outcomes.image, &starts);

@@ -177,24 +177,10 @@ impl Wave {
 
     /// The same for samples of the image, which may share what they find (see [`super::reuse`]). `own` is
     /// what they came to by themselves, `image` what they are worth to the image; `origins` tells where each comes from.
+    ///
+    /// Where paths go on after [`LONG`] edges, `gives_up` is asked now and then, with the number of edges so far. When
+    /// it says so there is no outcome: without the long paths the rest would be biased.
     pub fn trace_image(
-        &mut self,
-        walk: &Walk,
-        witness: &mut impl Witness,
-        origins: &[Origin],
-    ) -> Outcomes<'_> {
-        // Nobody gives it up: it always comes to its end.
-        self.trace_image_until(walk, witness, origins, &|_| false)
-            .unwrap_or(Outcomes {
-                own: &[],
-                image: &[],
-                rays: 0,
-            })
-    }
-
-    /// The same, unless it is given up: where paths go on after [`LONG`] edges, `gives_up` is asked now and then,
-    /// with the number of edges so far. Then there is no outcome: without the long paths the rest would be biased.
-    pub fn trace_image_until(
         &mut self,
         walk: &Walk,
         witness: &mut impl Witness,

@@ -1,35 +1,45 @@
 //! Smoothing of images.
 
+use rayon::prelude::*;
+
 /// An image, row by row, smoothed by the same kernel along both axes. Beyond an edge there is nothing to
 /// count: the weights of what is there are made to sum to one.
 pub fn smooth(image: &[f32], [width, height]: [usize; 2], kernel: &[f32]) -> Vec<f32> {
-    let across = along(image, [width, height], [width, 1], kernel);
-    along(&across, [height, width], [1, width], kernel)
+    let mut across = vec![0.0; image.len()];
+    let rows = across.par_chunks_mut(width).zip(image.par_chunks(width));
+    rows.for_each(|(to, from)| {
+        for (x, to) in to.iter_mut().enumerate() {
+            let near = near(x, width, kernel);
+            let (sum, weights) = near.fold((0.0, 0.0), |(sum, weights), (at, weight)| {
+                (sum + weight * from[at], weights + weight)
+            });
+            *to = sum / weights;
+        }
+    });
+    let mut smoothed = vec![0.0; image.len()];
+    let rows = smoothed.par_chunks_mut(width).enumerate();
+    rows.for_each(|(y, to)| {
+        let mut weights = 0.0;
+        for (at, weight) in near(y, height, kernel) {
+            let from = &across[at * width..][..width];
+            to.iter_mut()
+                .zip(from)
+                .for_each(|(to, from)| *to += weight * from);
+            weights += weight;
+        }
+        to.iter_mut().for_each(|to| *to /= weights);
+    });
+    smoothed
 }
 
-/// Smoothed along one axis: numbers of a line and lines, and the distances between lines and between numbers.
-fn along(
-    image: &[f32],
-    [length, lines]: [usize; 2],
-    [line, step]: [usize; 2],
-    kernel: &[f32],
-) -> Vec<f32> {
-    let mut smoothed = vec![0.0; image.len()];
+/// The places of a line of `length` under a kernel that is centred on `at`, with its weights.
+fn near(at: usize, length: usize, kernel: &[f32]) -> impl Iterator<Item = (usize, f32)> {
     let reach = kernel.len() / 2;
-    for l in 0..lines {
-        for i in 0..length {
-            let (mut sum, mut weights) = (0.0, 0.0);
-            for (k, weight) in kernel.iter().enumerate() {
-                let Some(j) = (i + k).checked_sub(reach).filter(|j| *j < length) else {
-                    continue;
-                };
-                sum += weight * image[l * line + j * step];
-                weights += weight;
-            }
-            smoothed[l * line + i * step] = sum / weights;
-        }
-    }
-    smoothed
+    let places = kernel.iter().enumerate();
+    places.filter_map(move |(k, weight)| {
+        let place = (at + k).checked_sub(reach).filter(|p| *p < length)?;
+        Some((place, *weight))
+    })
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Paths that have no end: the time and Ctrl-C end them.
 
-use super::support::{Place, read_exr, signal, wait};
-use std::io::{BufRead, BufReader};
+use super::support::{Place, read_exr, read_until, signal, wait};
+use std::io::BufReader;
 use std::time::{Duration, Instant};
 
 /// A white room without a window, which swallows no light. What is put in its place changes that.
@@ -55,11 +55,7 @@ fn ctrl_c_ends_paths_without_an_end() {
         let place = room(LAMP);
         let mut child = place.spawn(&format!("render scene.xml -o a.exr {words}"));
         let mut messages = BufReader::new(child.stderr.take().unwrap());
-        let mut line = String::new();
-        while !line.contains("they may have no end") {
-            line.clear();
-            assert_ne!(messages.read_line(&mut line).unwrap(), 0);
-        }
+        read_until(&mut messages, "they may have no end");
         signal(&child, "INT");
         assert_eq!(wait(child).code, Some(130));
         assert_eq!(place.files(), ["scene.xml"]);
@@ -98,11 +94,7 @@ fn what_has_ended_is_kept_and_nothing_of_the_rest() {
 
     let mut child = place.spawn("render scene.xml -o a.exr --spp 4 --stats s.json");
     let mut messages = BufReader::new(child.stderr.take().unwrap());
-    let mut line = String::new();
-    while !line.contains("they may have no end") {
-        line.clear();
-        assert_ne!(messages.read_line(&mut line).unwrap(), 0);
-    }
+    read_until(&mut messages, "they may have no end");
     signal(&child, "INT");
     assert_eq!(wait(child).code, Some(130));
     let (bright, black) = bright_and_black(&place);

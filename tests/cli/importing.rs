@@ -1,7 +1,7 @@
 //! Pictures of small models, each with a fault that users of other renderers met; and input files that
 //! are no files.
 
-use super::support::{Place, read_exr, wait};
+use super::support::{Place, make_pipe, read_exr, wait};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use serde_json::{Value, json};
@@ -196,8 +196,7 @@ fn a_million_triangles_in_one_place_are_rendered_like_one() {
 fn pipes_and_devices_are_refused_wherever_a_file_is_read() {
     let place = Place::new();
     let pipe = place.path("pipe");
-    let made = std::process::Command::new("mkfifo").arg(&pipe).status();
-    assert!(made.unwrap().success());
+    make_pipe(&pipe);
     for name in [
         "pipe.obj", "pipe.ply", "pipe.stl", "pipe.glb", "pipe.xml", "pipe.exr",
     ] {

@@ -1,8 +1,8 @@
 //! What ends a render.
 
-use super::support::{Place, Ran, read_exr, signal, wait};
-use std::io::{BufRead, BufReader, Read};
-use std::process::{Child, Command};
+use super::support::{Place, read_exr, read_until, signal, wait};
+use std::io::{BufReader, Read};
+use std::process::Child;
 
 fn stats(place: &Place) -> serde_json::Value {
     serde_json::from_slice(&place.read("s.json")).unwrap()
@@ -48,15 +48,7 @@ fn noise_stops_a_render() {
 fn endless(place: &Place) -> (Child, BufReader<impl Read>) {
     let mut child = place.spawn("render scene.xml -o a.exr --spp 1000000000 --stats s.json");
     let mut messages = BufReader::new(child.stderr.take().unwrap());
-    let mut line = String::new();
-    while !line.contains(" samples/s") {
-        line.clear();
-        assert_ne!(
-            messages.read_line(&mut line).unwrap(),
-            0,
-            "it ended by itself"
-        );
-    }
+    read_until(&mut messages, " samples/s");
     (child, messages)
 }
 
@@ -82,20 +74,16 @@ fn an_interrupt_writes_the_image_so_far() {
 #[test]
 fn an_interrupt_while_the_scene_is_read_leaves_nothing() {
     let place = Place::new();
-    // The program waits for a scene that comes through a pipe, which opens once it is read from.
-    let pipe = place.path("slow.xml");
-    assert!(
-        Command::new("mkfifo")
-            .arg(&pipe)
-            .status()
-            .unwrap()
-            .success()
-    );
-    let child = place.spawn("render slow.xml -o a.exr");
-    let writer = std::fs::OpenOptions::new().write(true).open(&pipe).unwrap();
+    place
+        .run("make mesh --kind terrain --triangles 4M -o large.ply")
+        .ok();
+    let mut child = place.spawn("render large.ply -o a.exr");
+    let maps = format!("/proc/{}/maps", child.id());
+    while !std::fs::read_to_string(&maps).is_ok_and(|maps| maps.contains("large.ply")) {
+        assert!(child.try_wait().unwrap().is_none(), "it ended");
+    }
     signal(&child, "INT");
-    let ran: Ran = wait(child);
-    drop(writer);
+    let ran = wait(child);
     assert_eq!(ran.code, Some(130), "{ran:#?}");
     assert!(!place.path("a.exr").exists());
 }

@@ -1,5 +1,6 @@
 //! Scenes in temporary directories, and the program run on them.
 
+use std::io::BufRead;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -137,6 +138,20 @@ impl Ran {
         }
         self
     }
+}
+
+/// Reads messages until one has that in it.
+pub fn read_until(messages: &mut impl BufRead, part: &str) {
+    let mut line = String::new();
+    while !line.contains(part) {
+        line.clear();
+        assert_ne!(messages.read_line(&mut line).unwrap(), 0, "it ended");
+    }
+}
+
+/// Makes a named pipe.
+pub fn make_pipe(path: &Path) {
+    rustix::fs::mkfifoat(rustix::fs::CWD, path, rustix::fs::Mode::RWXU).unwrap();
 }
 
 /// Sends a signal, by its name without `SIG`.

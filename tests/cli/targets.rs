@@ -1,9 +1,8 @@
 //! What is in the place of an output: found out before anything is rendered.
 
-use super::support::{Place, read_exr, signal, wait};
-use std::io::{BufRead, BufReader, Read};
+use super::support::{Place, make_pipe, read_exr, read_until, signal, wait};
+use std::io::{BufReader, Read};
 use std::os::unix::fs::{FileTypeExt, symlink};
-use std::process::Command;
 use std::time::{Duration, Instant};
 
 /// A render that would take for ever if it began.
@@ -100,8 +99,7 @@ fn names_that_cannot_be_are_refused_before_rendering() {
         .permissions();
     permissions.set_readonly(true);
     std::fs::set_permissions(place.path("locked.exr"), permissions).unwrap();
-    let made = Command::new("mkfifo").arg(place.path("pipe.exr")).status();
-    assert!(made.unwrap().success());
+    make_pipe(&place.path("pipe.exr"));
     symlink("pipe.exr", place.path("link.exr")).unwrap();
     symlink("loop.exr", place.path("loop.exr")).unwrap();
     let files = place.files();
@@ -131,13 +129,7 @@ fn names_that_cannot_be_are_refused_before_rendering() {
         "train scene.xml --photons 1000 --paths 0 -o pipe.field",
     ] {
         let pipe = place.path(words.rsplit(' ').next().unwrap());
-        assert!(
-            Command::new("mkfifo")
-                .arg(&pipe)
-                .status()
-                .unwrap()
-                .success()
-        );
+        make_pipe(&pipe);
         place.run(words).fails(1, &["no regular file"]);
         assert!(
             std::fs::symlink_metadata(pipe)
@@ -184,15 +176,6 @@ fn no_unfinished_file_is_left_by_whoever_quits() {
         signal(&child, name);
         assert_eq!(wait(child).code, Some(130));
         assert_eq!(place.files(), ["scene.xml"], "{name}");
-    }
-}
-
-/// Reads messages until one has that in it.
-fn read_until(messages: &mut impl BufRead, part: &str) {
-    let mut line = String::new();
-    while !line.contains(part) {
-        line.clear();
-        assert_ne!(messages.read_line(&mut line).unwrap(), 0, "it ended");
     }
 }
 

@@ -129,7 +129,6 @@ pub fn gltf_scene(dir: &Path, text: &str) -> Description {
     let how = GltfOptions {
         to_world: DAffine3::IDENTITY,
         material: None,
-        decoded_limit: 1 << 30,
     };
     gltf::load(&path, &how, &options(), &mut parts).unwrap_or_else(|e| panic!("{e}"));
     Description {

@@ -105,7 +105,7 @@ impl Survey {
                 let [x, y] = tile.place(i).map(u64::from);
                 let lot = hash_all([self.seed, from, x, y]);
                 let lots = [lot as u32, (lot >> 32) as u32].map(unit_f32);
-                Share::new(shares[self.at(film, tile, i)], taken as u32, lots)
+                Share::new(shares[film.row_major(tile.place(i))], taken as u32, lots)
             };
             TileShares::new((0..tile.area()).map(share).collect())
         };
@@ -118,16 +118,10 @@ impl Survey {
         for (tile, told) in film.tiles().iter().zip(&self.tiles) {
             let cost = told.cost();
             for (i, sums) in told.pixels.iter().enumerate() {
-                image[self.at(film, tile, i)] = sums.variance() / cost;
+                image[film.row_major(tile.place(i))] = sums.variance() / cost;
             }
         }
         image
-    }
-
-    /// Where a pixel of a tile stands, row by row.
-    fn at(&self, film: &Film, tile: &Tile, i: usize) -> usize {
-        let ([x0, y0, ..], [x, y]) = (film.region(), tile.place(i));
-        (y - y0) as usize * self.size[0] + (x - x0) as usize
     }
 }
 

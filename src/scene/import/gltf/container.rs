@@ -3,6 +3,7 @@
 use super::meshopt::{self, Compression};
 use super::schema::{Buffer, BufferView, Document};
 use super::{error, hint};
+use crate::image::decoded::DecodeLimit;
 use crate::image::mapped::{self, Mapped};
 use crate::scene::import::{ImportError, Location, encoding, named};
 use base64::Engine;
@@ -40,9 +41,6 @@ struct Allowance {
     most: u64,
 }
 
-/// How often the buffers may be unpacked whatever the limit.
-const TIMES: u64 = 100;
-
 /// What is said about a file that would unpack to `bytes`.
 fn too_large(bytes: u64, limit: u64) -> String {
     const MIB: u64 = 1 << 20;
@@ -79,8 +77,8 @@ impl Container {
     /// Opens `path` and all its buffers.
     ///
     /// # Errors
-    /// When one of them cannot be read or is no glTF, or when it would unpack to more than `limit` bytes.
-    pub fn open(path: &Path, limit: u64) -> Result<Self, ImportError> {
+    /// When one of them cannot be read or is no glTF, or when it would unpack to more than `limit` lets pass.
+    pub fn open(path: &Path, limit: DecodeLimit) -> Result<Self, ImportError> {
         let file = map(path, path)?;
         let (json, binary) = match file.starts_with(MAGIC) {
             true => chunks(&file).map_err(|message| error(path, message))?,
@@ -98,7 +96,7 @@ impl Container {
             decoded: HashMap::new(),
             allowance: Allowance {
                 spent: AtomicU64::new(0),
-                most: limit,
+                most: limit.bytes,
             },
         };
         container.check_version()?;
@@ -108,7 +106,7 @@ impl Container {
         }
         let held = container.buffers.iter();
         let held = held.map(|b| b.of(&container.file).len() as u64);
-        container.allowance.most = limit.max(TIMES.saturating_mul(held.sum()));
+        container.allowance.most = limit.most(held.sum());
         container.decoded = container.decompress()?;
         Ok(container)
     }

@@ -48,8 +48,6 @@ pub struct GltfOptions {
     pub to_world: DAffine3,
     /// A material that takes the place of all the file's own.
     pub material: Option<MaterialId>,
-    /// Most bytes that the file may unpack to, if it is not large itself.
-    pub decoded_limit: u64,
 }
 
 /// Adds what is in the file `path` to `parts`.
@@ -63,7 +61,7 @@ pub fn load(
     options: &ImportOptions,
     parts: &mut Parts,
 ) -> Result<(), ImportError> {
-    let container = Container::open(path, gltf.decoded_limit)?;
+    let container = Container::open(path, options.decode)?;
     let mut importer = Importer {
         container: &container,
         options,

@@ -4,6 +4,7 @@ use super::{GltfOptions, load};
 use crate::bsdf::Material;
 use crate::camera::Projection;
 use crate::image::ImageError;
+use crate::image::decoded::DecodeLimit;
 use crate::light::Emitter;
 use crate::math::{DAffine3, DVec3, Rgb, Vec3};
 use crate::scene::import::parts::Parts;
@@ -143,9 +144,12 @@ fn load_bytes(text: &[u8], to_world: &DAffine3, asked: Arc<Asked>) -> Result<Par
     let gltf = GltfOptions {
         to_world: *to_world,
         material: None,
-        decoded_limit: 16 << 20,
     };
-    load(&path, &gltf, &ImportOptions::new(asked), &mut parts)?;
+    let options = ImportOptions {
+        decode: DecodeLimit { bytes: 16 << 20 },
+        ..ImportOptions::new(asked)
+    };
+    load(&path, &gltf, &options, &mut parts)?;
     Ok(parts)
 }
 

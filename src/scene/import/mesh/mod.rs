@@ -60,8 +60,8 @@ pub struct MeshOptions {
     /// Of an OBJ file, keep which material each face has: as the attribute [`FACE_MATERIAL`] and
     /// [`Loaded::face_materials`].
     pub face_materials: bool,
-    /// Most bytes that what is compressed in a file may unpack to.
-    pub decoded_limit: u64,
+    /// What a file that is compressed may unpack to.
+    pub decode: DecodeLimit,
 }
 
 /// Name of the attribute of faces that numbers their materials.
@@ -87,7 +87,7 @@ impl Default for MeshOptions {
             shape_index: 0,
             lenient: false,
             face_materials: false,
-            decoded_limit: DecodeLimit::default().bytes,
+            decode: DecodeLimit::default(),
         }
     }
 }

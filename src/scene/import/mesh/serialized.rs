@@ -6,7 +6,6 @@
 //! version 3, then their number in 32 bits. All little endian.
 
 use super::{Fault, MeshOptions, Raw, place};
-use crate::image::decoded::DecodeLimit;
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::texture::MeshAttribute;
 use flate2::read::ZlibDecoder;
@@ -44,10 +43,8 @@ pub(super) fn read(data: &[u8], options: &MeshOptions) -> Result<Raw, Fault> {
     let triangles = stream.count("number of triangles")?;
     let decoded = decoded_bytes(flags, vertices, triangles);
     let what = format!("a mesh of {vertices} vertices and {triangles} triangles");
-    let limit = DecodeLimit {
-        bytes: options.decoded_limit,
-    };
-    limit
+    options
+        .decode
         .check(&what, decoded, data.len() as u64)
         .map_err(|why| stream.fault(why))?;
     stream.vertices(flags, precision, [vertices, triangles], options)

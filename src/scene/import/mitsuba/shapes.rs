@@ -169,7 +169,7 @@ impl<'a> Importer<'a> {
             max_smooth_angle: angle.map(|a| a as f32),
             shape_index,
             lenient: self.options.lenient,
-            decoded_limit: self.options.decode.bytes,
+            decode: self.options.decode,
             ..MeshOptions::default()
         };
         Ok(PendingGeometry::File(Request {

@@ -88,7 +88,6 @@ pub fn load(
                 let gltf = GltfOptions {
                     to_world: source.to_world * turn,
                     material: paint.map(|p| p.add(&mut parts.materials, false)),
-                    decoded_limit: options.decode.bytes,
                 };
                 gltf::load(&source.path, &gltf, options, &mut parts)?;
             }

@@ -120,7 +120,6 @@ fn one_binary_file_holds_the_same() {
         let gltf = GltfOptions {
             to_world: DAffine3::IDENTITY,
             material: None,
-            decoded_limit: 16 << 20,
         };
         let options = ImportOptions::new(Arc::new(Asked::default()));
         load(&path, &gltf, &options, &mut parts).map(|()| parts)

@@ -276,7 +276,6 @@ fn images_of_facets_and_their_gloss_count_texel_by_texel() {
     let gltf = GltfOptions {
         to_world: DAffine3::IDENTITY,
         material: None,
-        decoded_limit: 16 << 20,
     };
     let mut parts = Parts::default();
     load(&path, &gltf, &ImportOptions::new(store), &mut parts).unwrap();
