@@ -36,7 +36,7 @@ const STILL_TO_LEARN: f64 = 0.15;
 /// What each of a trial's two ways may take of the image's samples, and paths that it has in any case: fewer are too few to
 /// meet what is rare.
 pub const TRIAL: f64 = 0.012;
-const LEAST_TRIAL: u64 = 1 << 13;
+const LEAST_TRIAL: u64 = 1 << 12;
 
 /// Cost of a path with so many rays.
 pub fn path(rays: f64) -> f64 {

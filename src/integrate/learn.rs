@@ -45,7 +45,7 @@ const MORE_VERTICES: f64 = 2.0;
 /// Samples of every pixel that have taught before the trial, where the number of samples is not known.
 const AFTER: u64 = 4;
 /// Otherwise one in so many.
-const ONE_IN: u64 = 16;
+const ONE_IN: u64 = 64;
 /// Where it is in doubt, it is tried again after so many times the samples.
 const AGAIN: u64 = 4;
 
@@ -195,7 +195,8 @@ impl Learner {
     pub fn most_pupils(&self) -> u64 {
         let bytes = VERTEX_BYTES as f64 * self.vertices;
         let most = (room(&self.settings, &self.trainer) as f64 / bytes) as u64;
-        let sure = self.verdict.is_some() || !self.settings.trial;
+        let promising = self.verdict.is_some_and(|v| v.is_promising());
+        let sure = promising || !self.settings.trial;
         most.min(self.effort.pupils(sure)).clamp(1, MOST_PUPILS)
     }
 

@@ -37,7 +37,7 @@ const LEAST: u64 = 2;
 /// Tiles that a trial has at least, if the film does.
 const FEWEST_TILES: u64 = 8;
 /// The field is still learning: it may be behind by this factor and go on, at first and when it is tried again.
-const PATIENCE: [f64; 2] = [1.2, 1.05];
+const PATIENCE: [f64; 2] = [1.3, 1.05];
 /// It is tried again where it is not ahead by this factor.
 const CLEAR: f64 = 1.5;
 /// Both ways find the same light, on average. Where they differ by more than this share, it is so rare for one of them that a
@@ -50,6 +50,8 @@ const WORST: f64 = 0.01;
 /// The worst pixels outweigh the others when with them the mean is this many times larger. (In rooms with windows or lamps
 /// 1.1 to 2.5, with lamps that shine from behind something 4 to 9, with glass 6 to 11.)
 const HEAVY: f64 = 4.0;
+/// And guiding is no remedy unless they add so much less with it.
+const CALMER: f64 = 1.5;
 
 /// What the trial found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
@@ -89,7 +91,7 @@ impl Verdict {
     pub fn pays(&self) -> bool {
         // Nothing to tell apart: a black image, or no light at all.
         let even = self.guided <= 0.0 && self.unguided <= 0.0;
-        let fear = self.tail > HEAVY && self.guided_tail < self.tail;
+        let fear = self.tail > HEAVY && self.guided_tail * CALMER < self.tail;
         even || fear || self.is_ahead() || (self.light_found - 1.0).abs() > MISSED
     }
 
