@@ -171,6 +171,13 @@ impl Film {
         ))
     }
 
+    /// Number of the pixel `(x, y)` of the full film, which is in the region, when the region's pixels are counted
+    /// row by row.
+    pub fn row_major(&self, [x, y]: [u32; 2]) -> usize {
+        let [x0, y0, ..] = self.region;
+        (y - y0) as usize * self.width() as usize + (x - x0) as usize
+    }
+
     /// All pixels, tile by tile.
     fn pixels(&self) -> impl Iterator<Item = &Pixel> {
         self.tiles.iter().flat_map(|t| &t.pixels)

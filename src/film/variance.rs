@@ -187,12 +187,6 @@ impl Film {
         });
         Smoothing { kernel, size, held }
     }
-
-    /// Number of a pixel of the full film in its region, row by row.
-    pub fn row_major(&self, [x, y]: [u32; 2]) -> usize {
-        let [x0, y0, ..] = self.region;
-        (y - y0) as usize * self.width() as usize + (x - x0) as usize
-    }
 }
 
 impl Smoothing<'_> {

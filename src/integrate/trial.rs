@@ -50,7 +50,8 @@ const WORST: f64 = 0.01;
 /// The worst pixels outweigh the others when with them the mean is this many times larger. (In rooms with windows or lamps
 /// 1.1 to 2.5, with lamps that shine from behind something 4 to 9, with glass 6 to 11.)
 const HEAVY: f64 = 4.0;
-/// And guiding is no remedy unless they add so much less with it.
+/// Guiding goes on because of the worst pixels only if with it they enlarge the mean by a factor that is smaller by this
+/// much. (tests/bench/regret.py compares the verdict with both ways.)
 const CALMER: f64 = 1.5;
 
 /// What the trial found.
