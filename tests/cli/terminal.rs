@@ -61,7 +61,7 @@ impl Terminal {
 fn no_work_ends_because_nobody_listens() {
     let place = Place::new();
     let closed = || {
-        let (reader, writer) = std::io::pipe().unwrap();
+        let (reader, writer) = rustix::pipe::pipe().unwrap();
         drop(reader);
         Stdio::from(writer)
     };
