@@ -238,8 +238,12 @@ pub fn describe(learner: &Learner) {
             "guiding would take {work:.1} times the work here: it was stopped after {} samples a pixel",
             verdict.after
         );
-    } else if verdict.is_ahead() {
+    } else if verdict.gain() >= 1.0 {
         tracing::info!("guiding takes {work:.2} of the work");
+    } else if verdict.may_catch_up() {
+        tracing::info!(
+            "guiding goes on: it takes {work:.1} times the work so far, and still learns"
+        );
     } else {
         tracing::info!(
             "guiding goes on for light that is rare: elsewhere it takes {work:.1} times the work"

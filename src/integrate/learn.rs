@@ -195,8 +195,7 @@ impl Learner {
     pub fn most_pupils(&self) -> u64 {
         let bytes = VERTEX_BYTES as f64 * self.vertices;
         let most = (room(&self.settings, &self.trainer) as f64 / bytes) as u64;
-        let promising = self.verdict.is_some_and(|v| v.is_promising());
-        let sure = promising || !self.settings.trial;
+        let sure = self.verdict.is_some() || !self.settings.trial;
         most.min(self.effort.pupils(sure)).clamp(1, MOST_PUPILS)
     }
 
@@ -209,7 +208,7 @@ impl Learner {
         let again = self.verdict.is_some();
         let verdict = Verdict { again, ..verdict };
         self.verdict = Some(verdict);
-        if !verdict.is_promising() {
+        if !verdict.pays() {
             return;
         }
         let (settings, trainer) = (&self.settings, &mut self.trainer);

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """What the verdict on guiding costs: places rendered without guiding, with guiding throughout, and as the program decides.
 
-Efficiency is 1 / (relMSE x processor seconds), learning included, loading not; of all pixels, and without the worst 0.1 %
-of them. relMSE is that between images of different seeds, halved, over the mean of all images' squares + 0.01: the error
+Efficiency is 1 / (relMSE x processor seconds), learning included, loading not; of all pixels, without the worst 0.1 %
+of them, and of the means of 4 x 4 and 16 x 16 pixels. relMSE is that between images of different seeds, halved, over the mean of all images' squares + 0.01: the error
 that a reader sees, without a reference. Where guiding loses, the program's choice should keep 0.95 of the efficiency
 without it; where it wins by a tenth or more, nine tenths of what is gained.
 
@@ -26,6 +26,7 @@ import rooms
 
 WAYS = {"none": ["--guide", "none"], "always": ["--guide", "double", "--trial", "never"], "chosen": ["--guide", "double"]}
 WINS, KEEPS, LOSES = 1.1, 0.9, 0.95
+BLOCKS = (4, 16)
 
 
 def pixels(path):
@@ -44,15 +45,27 @@ def render(args, scene, folder, more):
     return pixels(out), found["errors"][-1]["cpu_seconds"], found
 
 
-def errors(images, mean):
-    """relMSE of all pixels and without the worst thousandth."""
+def blocks(image, n):
+    """Means of n x n pixels."""
+    h, w = image.shape[0] // n * n, image.shape[1] // n * n
+    return image[:h, :w].reshape(h // n, n, w // n, n, 3).mean((1, 3))
+
+
+def error(images, mean):
+    """relMSE of each pixel, sorted."""
     square = [(a - b) ** 2 for a, b in itertools.combinations(images, 2)]
-    error = np.sort((sum(square) / len(square) / 2 / (mean**2 + 0.01)).mean(axis=2).ravel())
-    return error.mean(), error[: int(0.999 * error.size)].mean()
+    return np.sort((sum(square) / len(square) / 2 / (mean**2 + 0.01)).mean(axis=2).ravel())
+
+
+def errors(images, mean):
+    """relMSE of all pixels, without the worst thousandth, and of the means of blocks."""
+    pixels = error(images, mean)
+    of_blocks = [error([blocks(i, n) for i in images], blocks(mean, n)).mean() for n in BLOCKS]
+    return [pixels.mean(), pixels[: int(0.999 * pixels.size)].mean(), *of_blocks]
 
 
 def measure(args, name, scene, spp):
-    """Two rows: of all pixels, and without the worst."""
+    """A row of all pixels, one without the worst, and one for each size of blocks."""
     runs = {way: [] for way in WAYS}
     with tempfile.TemporaryDirectory() as folder:
         for seed in range(args.seeds):
@@ -64,13 +77,13 @@ def measure(args, name, scene, spp):
     peak = {way: max(run[2]["peak_memory_bytes"] for run in list_) / 2**20 for way, list_ in runs.items()}
     found = {way: errors([run[0] for run in list_], mean) for way, list_ in runs.items()}
     verdicts = [run[2]["trial"] for run in runs["chosen"]]
-    for part, what in enumerate(["all", "trimmed"]):
+    for part, what in enumerate(["all", "trimmed", *(f"{n} x {n}" for n in BLOCKS)]):
         cost = {way: found[way][part] * seconds[way] for way in WAYS}
         always, chosen = cost["none"] / cost["always"], cost["none"] / cost["chosen"]
         wins = always > WINS
         kept = (chosen - 1) / (always - 1) if wins else chosen
         good = "yes" if kept >= (KEEPS if wins else LOSES) else "no"
-        print(f"| {name} | {spp} | {what} | " + " | ".join(f"{found[w][part]:.4f}, {seconds[w]:.2f}" for w in WAYS)
+        print(f"| {name} | {spp} | {what} | " + " | ".join(f"{found[w][part]:.3g}, {seconds[w]:.2f}" for w in WAYS)
               + f" | {always:.2f} | {chosen:.2f} | {kept:.2f} | {good} | {peak['none']:.0f}, {peak['chosen']:.0f} |", flush=True)
     if args.verdicts:
         print(*verdicts, sep="\n")

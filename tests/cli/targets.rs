@@ -167,7 +167,8 @@ fn what_a_link_names_is_written_and_the_link_stays() {
 fn no_unfinished_file_is_left_by_whoever_quits() {
     for name in ["INT", "TERM", "HUP"] {
         let place = Place::new();
-        let child = place.spawn("make mesh --kind terrain --triangles 20M -o a.ply");
+        // Large enough that even a busy machine has not written it before the signal comes.
+        let child = place.spawn("make mesh --kind terrain --triangles 200M -o a.ply");
         let start = Instant::now();
         while place.files().len() < 2 {
             assert!(start.elapsed() < Duration::from_secs(60));

@@ -59,6 +59,7 @@ fn guiding_stops_where_it_is_beaten_unless_light_is_missed() {
         tail: 1.5,
         guided_tail: 1.5,
         light_found: 1.0,
+        light_found_error: 0.01,
     };
     assert!((even.gain() - 1.0).abs() < 1e-12 && even.pays());
     let beaten = Verdict {
@@ -70,13 +71,23 @@ fn guiding_stops_where_it_is_beaten_unless_light_is_missed() {
         light_found: 0.9,
         ..beaten
     };
-    assert!(dark.pays() && dark.is_promising() && !beaten.is_promising());
-    // What is a little behind may go on, once.
+    assert!(dark.pays());
+    // By chance, or because a bright sample was found.
+    let uncertain = Verdict {
+        light_found_error: 0.2,
+        ..dark
+    };
+    let bright = Verdict {
+        light_found: 1.1,
+        ..beaten
+    };
+    assert!(!uncertain.pays() && !bright.pays());
+    // What is behind may go on, and by less when it is tried again.
     let behind = Verdict {
-        unguided: 0.9 * even.unguided,
+        unguided: 0.65 * even.unguided,
         ..even
     };
-    assert!(behind.pays() && behind.is_doubtful() && !behind.is_promising());
+    assert!(behind.pays() && behind.is_doubtful());
     let still = Verdict {
         again: true,
         ..behind
@@ -94,4 +105,36 @@ fn guiding_stops_where_it_is_beaten_unless_light_is_missed() {
     };
     assert!(!worse.pays());
     assert!(Verdict::default().pays());
+}
+
+#[test]
+fn a_ratio_of_sums_knows_its_own_error() {
+    assert_eq!(ratio(&[]), (1.0, 0.0));
+    assert_eq!(ratio(&[[0.0, 0.0]; 3]), (1.0, 0.0));
+    assert_eq!(ratio(&[[2.0, 1.0], [4.0, 2.0]]), (0.5, 0.0));
+    // Of tiles whose noise has a standard deviation of 0.1 of their mean, both ways.
+    let mut state = 1_u64;
+    let mut noisy = || {
+        // Twelve uniform numbers: a variance of 1.
+        let sum: f64 = (0..12)
+            .map(|_| {
+                state = state.wrapping_mul(6364136223846793005).wrapping_add(1);
+                (state >> 11) as f64 / (1_u64 << 53) as f64
+            })
+            .sum();
+        1.0 + 0.1 * (sum - 6.0)
+    };
+    let (mut squares, mut errors) = (0.0, 0.0);
+    for _ in 0..400 {
+        let tiles: Vec<[f64; 2]> = (0..64).map(|_| [noisy(), noisy()]).collect();
+        let (ratio, error) = ratio(&tiles);
+        squares += (ratio - 1.0).powi(2);
+        errors += error * error;
+    }
+    // 400 squares: 7 % of noise.
+    assert!(
+        (0.8..1.2).contains(&(errors / squares)),
+        "{}",
+        errors / squares
+    );
 }
