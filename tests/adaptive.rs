@@ -7,8 +7,9 @@ use twintree::accel::{Backend, ExactKind};
 use twintree::bsdf::Material;
 use twintree::film::Film;
 use twintree::integrate::PathSettings;
-use twintree::integrate::learn::Learner;
-use twintree::integrate::render::{Limits, Spent, resume};
+use twintree::integrate::progress::{Limits, Spent};
+use twintree::integrate::render::resume;
+use twintree::integrate::training::Learner;
 use twintree::math::{Affine3A, Vec3};
 
 /// A closed room lit by a lamp that shines at the ceiling, with a ball of glass, half behind a black board: what is seen

@@ -8,11 +8,11 @@ use twintree::bsdf::Material;
 use twintree::film::Film;
 use twintree::guide::ModelKind;
 use twintree::integrate::PathSettings;
-use twintree::integrate::chain::Aiming;
+use twintree::integrate::camera_sample::PathNumber;
+use twintree::integrate::debug::inspect::trace_sample;
 use twintree::integrate::guiding::Guide;
-use twintree::integrate::inspect::trace_sample;
-use twintree::integrate::learn::{garbage, learn};
-use twintree::integrate::start::PathNumber;
+use twintree::integrate::manifold::{ManifoldSampling, find_chains};
+use twintree::integrate::training::{garbage, learn};
 use twintree::light::{Emitter, SunSky};
 use twintree::math::{Affine3A, Quat, Rgb, Vec3};
 use twintree::photon::schedule::Budget;
@@ -120,8 +120,8 @@ fn path(seed: u64) -> PathSettings {
 /// A field that knows nothing, and aims.
 fn aiming(scene: &Built, at: &Built, chance: f32) -> Guide {
     let mut guide = garbage(&scene.scene, ModelKind::Gauss, 9);
-    guide.aiming = Aiming::find(&at.view(&path(3), None), BUDGET);
-    assert!(guide.aiming.is_some(), "nothing to aim at");
+    guide.manifold = find_chains(&at.view(&path(3), None), BUDGET).map(ManifoldSampling::new);
+    assert!(guide.manifold.is_some(), "nothing to aim at");
     guide.aim(chance);
     guide
 }
@@ -250,13 +250,13 @@ fn aiming_lowers_the_noise_and_is_the_same_for_any_number_of_threads() {
 #[test]
 fn nobody_aims_where_nothing_shines_in() {
     let dark = balls(0.0, None);
-    assert!(Aiming::find(&dark.view(&path(1), None), BUDGET).is_none());
+    assert!(find_chains(&dark.view(&path(1), None), BUDGET).is_none());
     let scene = balls(0.0, Some(4.0));
     let unwilling = PathSettings {
         aim: false,
         ..path(1)
     };
-    assert!(Aiming::find(&scene.view(&unwilling, None), BUDGET).is_none());
+    assert!(find_chains(&scene.view(&unwilling, None), BUDGET).is_none());
 }
 
 /// A single sample takes the steps of the render's, also where a path follows several lobes from the camera on.

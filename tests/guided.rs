@@ -11,8 +11,8 @@ use twintree::guide::gmm::Mixtures;
 use twintree::guide::{Field, ModelKind};
 use twintree::integrate::PathSettings;
 use twintree::integrate::guiding::Guide;
-use twintree::integrate::learn::{LearnSettings, Learned, garbage, learn};
-use twintree::integrate::learn_gmm::{self, learn_mixtures};
+use twintree::integrate::training::mixtures::{self, learn_mixtures};
+use twintree::integrate::training::{LearnSettings, Learned, garbage, learn};
 use twintree::light::Emitter;
 use twintree::math::{Affine3A, Rgb, Vec3};
 
@@ -156,7 +156,7 @@ fn learned_random_and_foreign_mixtures_give_the_unguided_mean() {
     let far = Mixtures::random(Vec3::splat(100.0), Vec3::splat(101.0), 3);
     for (what, mixtures, spp) in [
         ("learned", mixtures(&room, 200_000), 256),
-        ("random", learn_gmm::garbage(&room.scene, 9), 1024),
+        ("random", mixtures::garbage(&room.scene, 9), 1024),
         ("foreign", far, 512),
         ("three photons", mixtures(&room, 3), 512),
     ] {

@@ -10,11 +10,13 @@ use twintree::bsdf::material::{Distribution, Roughness};
 use twintree::film::Film;
 use twintree::guide::ModelKind;
 use twintree::integrate::PathSettings;
+use twintree::integrate::camera_sample::Origin;
 use twintree::integrate::guiding::Guide;
-use twintree::integrate::learn::{garbage, learn};
-use twintree::integrate::render::{Limits, Spent, resume};
-use twintree::integrate::reuse::Origin;
-use twintree::integrate::wave::{Outcome, Wave};
+use twintree::integrate::path::Outcome;
+use twintree::integrate::progress::{Limits, Spent};
+use twintree::integrate::render::resume;
+use twintree::integrate::training::{garbage, learn};
+use twintree::integrate::wave::Wave;
 use twintree::math::{Affine3A, Rgb, Vec2, Vec3};
 use twintree::scene::{Geometry, Mesh};
 use twintree::texture::Texture;
@@ -319,9 +321,9 @@ fn trace(room: &Built, field: &Guide, reuse: u32) -> [Vec<Outcome>; 2] {
         round: u64::from(sample % 16),
     };
     let origins: Vec<Origin> = (0..4096).map(origin).collect();
-    let walk = room.view(&path, Some(field)).walk();
+    let context = room.view(&path, Some(field)).context();
     let outcomes = wave
-        .trace_image(&walk, &mut (), &origins, &|_| false)
+        .trace_image(&context, &mut (), &origins, &|_| false)
         .unwrap();
     [outcomes.own, outcomes.image].map(|o| o[..4096].to_vec())
 }

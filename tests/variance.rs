@@ -15,8 +15,9 @@ use twintree::film::Film;
 use twintree::film::layers::{Layers, Metadata};
 use twintree::image::metrics::blocks::KnownNoise;
 use twintree::integrate::PathSettings;
-use twintree::integrate::learn::Learner;
-use twintree::integrate::render::{Limits, Spent, resume};
+use twintree::integrate::progress::{Limits, Spent};
+use twintree::integrate::render::resume;
+use twintree::integrate::training::Learner;
 use twintree::math::{Affine3A, Vec3};
 use twintree::scene::description::SamplerKind;
 

@@ -9,7 +9,7 @@ use super::part_args::PartArgs;
 use crate::film::Film;
 use crate::film::part::{self, Packing, PartReader, Record};
 use crate::image::{ImageError, atomic};
-use crate::integrate::render::Spent;
+use crate::integrate::progress::Spent;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};

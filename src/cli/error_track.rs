@@ -10,7 +10,7 @@ use crate::film::layers::{Layers, Metadata};
 use crate::film::{Film, FilmDescription};
 use crate::image::metrics::{Pair, errors::Errors};
 use crate::image::{self, Image};
-use crate::integrate::render::{Progress, Summary};
+use crate::integrate::progress::{Progress, Summary};
 use crate::report::stats::{ErrorPoint, Stats};
 use rustix::time::{ClockId, clock_gettime};
 use std::path::{Path, PathBuf};

@@ -15,7 +15,7 @@ use super::{Failure, memory};
 use crate::film::Film;
 use crate::film::layers::Metadata;
 use crate::film::part::Record;
-use crate::integrate::render::{Spent, StoppedBy, Summary};
+use crate::integrate::progress::{Spent, StoppedBy, Summary};
 use crate::report::stats::Stats;
 use std::time::Instant;
 

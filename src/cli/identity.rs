@@ -11,7 +11,8 @@ use crate::accel::BuildQuality;
 use crate::film::part::{Identity, Origin, Record};
 use crate::film::{Film, FilmDescription, Shard};
 use crate::integrate::PathSettings;
-use crate::integrate::render::{Limits, View};
+use crate::integrate::View;
+use crate::integrate::progress::Limits;
 use crate::photon::schedule::Budget;
 use std::fmt::Debug;
 

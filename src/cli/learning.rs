@@ -4,13 +4,14 @@ use super::field_args::{Guide as Way, GuideArgs, GuideModel, LearnArgs, Teachers
 use super::{Failure, overrides};
 use crate::guide::FieldFile;
 use crate::image::atomic;
-use crate::integrate::chain::Aiming;
-use crate::integrate::extend::{check_scene, to_guide};
+use crate::integrate::View;
 use crate::integrate::guiding::{Guidance, Guide};
-use crate::integrate::learn::{LearnSettings, Learned, Learner, learn};
-use crate::integrate::learn_gmm::{self, LearnedMixtures, learn_mixtures};
-use crate::integrate::render::{Limits, View};
-use crate::integrate::trial;
+use crate::integrate::manifold::{ManifoldSampling, find_chains};
+use crate::integrate::progress::Limits;
+use crate::integrate::training::extend::{check_scene, to_guide};
+use crate::integrate::training::mixtures::{self, LearnedMixtures, learn_mixtures};
+use crate::integrate::training::trial;
+use crate::integrate::training::{LearnSettings, Learned, Learner, learn};
 use crate::photon::PhotonCounts;
 use crate::photon::schedule::Budget;
 use crate::report::words;
@@ -135,7 +136,8 @@ pub fn guiding(
     if let Some(opened) = opened {
         let mut guide = to_guide(&opened.file).with_mixture(args.mixture.0);
         // The same chains for any number of samples: a render that is resumed may ask for more.
-        guide.aiming = Aiming::find(view, overrides::photons_alone(&args.learn));
+        let chains = find_chains(view, overrides::photons_alone(&args.learn));
+        guide.manifold = chains.map(ManifoldSampling::new);
         trial::aim(view, &mut guide);
         describe_aiming(&guide);
         tracing::info!(
@@ -154,7 +156,7 @@ pub fn guiding(
     }
     let photons = match args.guide {
         Some(Way::Gmm) => Budget::Exactly {
-            photons: args.learn.photons.unwrap_or(learn_gmm::PHOTONS),
+            photons: args.learn.photons.unwrap_or(mixtures::PHOTONS),
             batches: args.learn.batches,
         },
         _ => overrides::photons_for(&args.learn, view.film, limits),
@@ -253,8 +255,8 @@ pub fn describe(learner: &Learner) {
 
 /// Says how often paths aim at suns and lamps.
 fn describe_aiming(guide: &Guide) {
-    if let Some(aiming) = &guide.aiming {
-        let share = 100.0 * aiming.chance();
+    if let Some(aiming) = &guide.manifold {
+        let share = 100.0 * aiming.rate();
         tracing::info!(
             "aims at suns and lamps behind glass and in mirrors: {share} % of the first rough vertices"
         );

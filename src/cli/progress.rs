@@ -6,7 +6,7 @@ use super::finish::Done;
 use super::interrupt::Interrupt;
 use super::preview::Tev;
 use crate::film::{Film, Noise};
-use crate::integrate::render::{Limits, Observer, Progress, Spent};
+use crate::integrate::progress::{Limits, Observer, Progress, Spent};
 use crate::report::words;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::sync::Mutex;

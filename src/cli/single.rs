@@ -5,9 +5,9 @@ use super::load::{self, Input};
 use super::{Failure, console, learning, overrides};
 use crate::camera::Camera;
 use crate::film::FilmDescription;
-use crate::integrate::inspect::{MOST_STEPS, Step, Traced, teach_until, trace_sample};
-use crate::integrate::render::View;
-use crate::integrate::start::PathNumber;
+use crate::integrate::View;
+use crate::integrate::camera_sample::PathNumber;
+use crate::integrate::debug::inspect::{MOST_STEPS, Step, Traced, trace_sample, train_until};
 use crate::math::{Rgb, Vec3};
 use std::fmt::Write as _;
 
@@ -43,7 +43,7 @@ pub fn run(args: &RenderArgs, pixel: [u32; 2]) -> Result<(), Failure> {
     let mut guiding = learning::guiding(&args.guide, field, &plain, &limits)?;
     let sample = args.doubt.sample;
     let path = match &mut guiding.learner {
-        Some(learner) => teach_until(&plain, learner, limits.spp, pixel, sample),
+        Some(learner) => train_until(&plain, learner, limits.spp, pixel, sample),
         None => PathNumber::plain(sample),
     };
     let view = View {

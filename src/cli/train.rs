@@ -8,8 +8,8 @@ use super::load::Input;
 use super::waiting::Waiting;
 use super::{Failure, load, output, overrides, targets};
 use crate::camera::Camera;
-use crate::integrate::extend::{More, extend, to_file};
-use crate::integrate::render::View;
+use crate::integrate::View;
+use crate::integrate::training::extend::{More, extend, to_file};
 use crate::report::words;
 use std::time::Instant;
 

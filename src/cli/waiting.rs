@@ -3,7 +3,7 @@
 
 use super::console::Console;
 use super::progress::{BAR_INTERVAL, LONGEST_SILENCE, fitting, spinner};
-use crate::integrate::learn::traced;
+use crate::integrate::training::traced;
 use crate::report::words;
 use indicatif::ProgressBar;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};

@@ -5,7 +5,7 @@
 //! sampling with the balance heuristic). Next-event estimation is joined to that mixture. The field
 //! shapes densities only: whatever it says, the expected image is the same.
 
-use super::chain::Aiming;
+use super::manifold::ManifoldSampling;
 use crate::bsdf::{Bsdf, BsdfSample, LobeFlags, Rest, Transport};
 use crate::guide::gmm::{LocalMixture, Mixtures};
 use crate::guide::{Chances, Field, Fractions, GuideSample, LocalField};
@@ -27,7 +27,7 @@ pub struct Guide {
     /// How often to trust it.
     pub fractions: Fractions,
     /// How to aim at suns and lamps that no direction of the field is narrow enough for.
-    pub aiming: Option<Aiming>,
+    pub manifold: Option<ManifoldSampling>,
 }
 
 /// What guides paths: one of the representations of the light field.
@@ -120,7 +120,7 @@ impl Guide {
         Self {
             field,
             fractions,
-            aiming: None,
+            manifold: None,
         }
     }
 
@@ -135,11 +135,11 @@ impl Guide {
 }
 
 impl<'a> Guidance<'a> {
-    /// How paths aim at suns and lamps, if they do.
+    /// Manifold next-event estimation, if paths use it.
     #[inline]
-    pub fn aiming(&self) -> Option<&'a Aiming> {
+    pub fn manifold(&self) -> Option<&'a ManifoldSampling> {
         match self {
-            Self::Double(guide) => guide.aiming.as_ref(),
+            Self::Double(guide) => guide.manifold.as_ref(),
             Self::Gmm(_) => None,
         }
     }
@@ -178,14 +178,14 @@ impl<'a> Guidance<'a> {
 impl Guide {
     /// Bytes held.
     pub fn bytes(&self) -> u64 {
-        let chains = self.aiming.as_ref().map(|a| a.chains().bytes());
+        let chains = self.manifold.as_ref().map(|a| a.chains().bytes());
         self.field.bytes() + chains.unwrap_or(0)
     }
 
     /// Lets paths aim at suns and lamps this often, if there are any to aim at.
     pub fn aim(&mut self, chance: f32) {
-        let aiming = self.aiming.take().map(|aiming| aiming.with_chance(chance));
-        self.aiming = aiming.filter(|_| chance > 0.0);
+        let aiming = self.manifold.take().map(|aiming| aiming.with_rate(chance));
+        self.manifold = aiming.filter(|_| chance > 0.0);
     }
 
     /// The field at a vertex, the irradiance there and the chances of what to do; nothing without light.

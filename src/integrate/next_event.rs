@@ -1,8 +1,9 @@
 //! Next-event estimation: light is looked for where it comes from.
 
-use super::guiding::GuidedVertex;
-use super::vertex::{Vertex, Walk};
-use super::wave::Path;
+use super::context::PathContext;
+use super::direction::drops;
+use super::path::Path;
+use super::vertex::Vertex;
 use crate::accel::Ray;
 use crate::bsdf::{LobeFlags, Transport};
 use crate::light::{Incoming, Lights};
@@ -32,58 +33,58 @@ impl Offer {
     }
 }
 
-/// An offer, for an account.
+/// An offer, for an accumulator.
 #[derive(Clone, Copy, Debug)]
 pub struct ShadowRay {
-    /// The account that it is paid into.
-    pub slot: u32,
-    /// What is paid.
+    /// Index of the accumulator that it is added to.
+    pub accumulator: u32,
+    /// What is added.
     pub(super) offer: Offer,
 }
 
-/// A shadow ray with the light it would bring, if there is one. With a guide it is left out where it seldom
-/// brings any.
+/// A shadow ray with the light it would bring, if there is one. A light is sampled with probability
+/// `chance`: a field leaves it out where it seldom brings anything. `u` are uniform numbers.
 #[inline(always)]
-pub(super) fn sample_light<const GUIDED: bool>(
-    walk: &Walk,
+pub(super) fn sample_light(
+    context: &PathContext,
     vertex: &Vertex,
     path: &mut Path,
+    chance: f32,
     mut u: [f32; 3],
 ) -> Option<(Ray, Offer)> {
-    let Walk {
+    let PathContext {
         scene, settings, ..
-    } = *walk;
+    } = *context;
     let Vertex {
         point, bsdf, wo, ..
     } = *vertex;
-    let guided = vertex.guided.filter(|_| GUIDED);
-    path.light_chance = guided.map_or(1.0, GuidedVertex::light_chance);
+    path.light_chance = chance;
     if !bsdf.flags().has(LobeFlags::SMOOTH) {
         path.from_normal = Vec3::ZERO;
         return None;
     }
     path.from_normal = bsdf.light_normal(wo);
-    if GUIDED {
-        if u[0] >= path.light_chance {
+    if chance < 1.0 {
+        if u[0] >= chance {
             return None;
         }
-        u[0] = (u[0] / path.light_chance).min(BELOW_ONE);
+        u[0] = (u[0] / chance).min(BELOW_ONE);
     }
     let light = scene.lights.sample(point.p, path.from_normal, u)?;
-    if settings.strict_normals
-        && (crosses(point.normals(), light.dir) || crosses(point.normals(), wo))
-    {
+    if drops(settings, vertex, light.dir) {
         return None;
     }
     let (f, bsdf_pdf) = bsdf.eval_pdf(wo, light.dir, Transport::Radiance);
     if f == Rgb::ZERO {
         return None;
     }
-    let light_pdf = light.pdf * path.light_chance;
+    let light_pdf = light.pdf * chance;
     let weight = if light.delta {
         1.0
     } else {
-        let pdf = guided.map_or(bsdf_pdf, |g| g.pdf(light.dir, bsdf_pdf));
+        let pdf = vertex
+            .guided
+            .map_or(bsdf_pdf, |g| g.pdf(light.dir, bsdf_pdf));
         power_heuristic(light_pdf, pdf)
     };
     // Large BSDFs (narrow lobes) meet small weights before bright lights: the other order overflows (S8).
@@ -113,10 +114,4 @@ pub(super) fn shadow_ray(org: Vec3, light: Vec3) -> Ray {
     let rounding = 4.0 * gamma(7) * org.abs().max_element();
     ray.tmax = distance * (1.0 - SHADOW_MARGIN) - rounding;
     ray
-}
-
-/// Whether geometric and shading normal disagree about the side `w` is on.
-#[inline]
-pub(super) fn crosses([geometric, shading]: [Vec3; 2], w: Vec3) -> bool {
-    geometric.dot(w) * shading.dot(w) <= 0.0
 }

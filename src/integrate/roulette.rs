@@ -11,8 +11,8 @@
 //! ways (after Vorba and Krivanek, "Adjoint-driven Russian roulette and splitting in light transport
 //! simulation", 2016).
 
-use super::wave::Path;
-
+use super::guided_path::GuidedPath;
+use super::path::Path;
 /// Roulette lets no path live more often than this, so that paths between mirrors end (Mitsuba's bound).
 pub const MAX_SURVIVAL: f32 = 0.95;
 /// A guided path goes on for certain when it brings this share of its sample, or more: the lower edge of a
@@ -29,51 +29,43 @@ const MOST_SHARE: f32 = 1.2;
 /// No sample is split into more ways, whatever a field says.
 pub(super) const MOST_WAYS: u32 = 32;
 
-/// What the chance of a guided path to go on is decided by.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Roulette {
-    /// What the field expects the path to bring.
-    #[default]
-    Field,
-    /// The throughput, as without a field.
-    Throughput,
-}
-
 /// What roulette by throughput looks at. Where radiance is squeezed by an interface, it will be released
 /// again: eta takes that out.
 #[inline]
-pub fn standing(path: &Path) -> f32 {
+pub fn scaled_throughput(path: &Path) -> f32 {
     path.throughput.max_element() * path.eta * path.eta
 }
 
-/// Chance to go on by throughput, relative to what the field let the path have when it aimed it last. A
-/// path that was sent through glass towards the sun has a throughput of a thousandth: to end it there
-/// unless it is lucky would undo the aiming. Guarded by `roulette_spares_what_the_field_aimed_through_glass`.
+/// Probability to go on by throughput, relative to a `reference`: 1 for a plain path, and for a
+/// guided one its scaled throughput when the field guided it last. A path that was sent through
+/// glass towards the sun has a throughput of a thousandth: to end it there unless it is lucky would
+/// undo the guiding. Guarded by `a_path_that_was_guided_through_glass_is_not_ended`.
 #[inline]
-pub fn by_throughput(path: &Path) -> f32 {
-    (standing(path) / path.aimed_with).min(MAX_SURVIVAL)
+pub fn by_throughput(path: &Path, reference: f32) -> f32 {
+    (scaled_throughput(path) / reference).min(MAX_SURVIVAL)
 }
 
-/// Chance to go on by what the path will bring: `coming` is the throughput up to the vertex times the
+/// Chance to go on by what the path will bring: `expected_contribution` is the throughput up to the vertex times the
 /// radiance that the field expects the surface to reflect. What the sample has already does not matter: the
 /// rest of a sample that was lucky is worth no less. (It did once: relative variance in veach-ajar 7.0
 /// instead of 6.2.)
 #[inline]
-pub fn by_field(path: &mut Path, coming: f32) -> f32 {
-    if path.expected <= 0.0 {
-        path.expected = coming;
+pub fn by_field(path: &mut GuidedPath, expected_contribution: f32) -> f32 {
+    if path.pixel_estimate <= 0.0 {
+        path.pixel_estimate = expected_contribution;
         return 1.0;
     }
-    let survival = (coming / path.expected / CERTAIN_SHARE).clamp(MIN_SURVIVAL, 1.0);
+    let survival =
+        (expected_contribution / path.pixel_estimate / CERTAIN_SHARE).clamp(MIN_SURVIVAL, 1.0);
     if survival.is_finite() { survival } else { 1.0 }
 }
 
-/// How many ways a path takes that would bring much more than was expected.
+/// Into how many paths one is split that would bring much more than was expected.
 #[inline]
-pub fn ways(path: &Path, coming: f32) -> u32 {
-    let share = coming / path.expected;
-    if path.expected <= 0.0 || !share.is_finite() {
+pub fn split_factor(path: &GuidedPath, expected_contribution: f32) -> u32 {
+    let share = expected_contribution / path.pixel_estimate;
+    if path.pixel_estimate <= 0.0 || !share.is_finite() {
         return 1;
     }
-    ((share / MOST_SHARE).ceil() as u32).clamp(1, (MOST_WAYS / path.ways).max(1))
+    ((share / MOST_SHARE).ceil() as u32).clamp(1, (MOST_WAYS / path.split_factor).max(1))
 }

@@ -56,6 +56,12 @@ impl Frame {
     }
 }
 
+/// Whether geometric and shading normal disagree about the side `w` is on.
+#[inline]
+pub fn normals_disagree([geometric, shading]: [Vec3; 2], w: Vec3) -> bool {
+    geometric.dot(w) * shading.dot(w) <= 0.0
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,7 +3,7 @@
 use super::table::number;
 use super::words;
 use crate::guide;
-use crate::integrate::trial::Verdict;
+use crate::integrate::training::trial::Verdict;
 use serde::{Deserialize, Serialize};
 
 /// Measurements of a render. The field names are the keys of the `--stats` file, documented in the

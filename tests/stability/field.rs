@@ -6,7 +6,7 @@ use crate::table::Table;
 use twintree::accel::Backend;
 use twintree::guide::{Field, LocalField, ModelKind, Photon, Settings, Trainer};
 use twintree::integrate::guiding::Guide;
-use twintree::integrate::learn::garbage;
+use twintree::integrate::training::garbage;
 use twintree::math::equal_area::{DirectionCell, direction_code, square_to_sphere};
 use twintree::math::warp::uniform_sphere;
 use twintree::math::{Pcg32, Rgb, Vec2, Vec3};

@@ -5,7 +5,8 @@ use crate::table::Table;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU32, Ordering};
 use twintree::film::Film;
-use twintree::integrate::render::{Limits, Observer, Progress, Spent, render, resume};
+use twintree::integrate::progress::{Limits, Observer, Progress, Spent};
+use twintree::integrate::render::{render, resume};
 
 /// Panics on the thread that asks for the tile of that number.
 struct Bomb {

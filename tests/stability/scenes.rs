@@ -8,7 +8,7 @@ use twintree::film::Film;
 use twintree::guide::ModelKind;
 use twintree::integrate::PathSettings;
 use twintree::integrate::guiding::Guide;
-use twintree::integrate::learn::{LearnSettings, learn};
+use twintree::integrate::training::{LearnSettings, learn};
 use twintree::math::{Affine3A, Vec3};
 use twintree::photon::PhotonSettings;
 use twintree::photon::schedule::Budget;

@@ -5,8 +5,8 @@ use crate::support::{Built, film_mean};
 use crate::table::Table;
 use twintree::accel::Backend;
 use twintree::integrate::PathSettings;
-use twintree::integrate::inspect::trace_sample;
-use twintree::integrate::start::PathNumber;
+use twintree::integrate::camera_sample::PathNumber;
+use twintree::integrate::debug::inspect::trace_sample;
 use twintree::math::PathSampler;
 use twintree::scene::description::SamplerKind;
 

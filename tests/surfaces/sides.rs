@@ -6,7 +6,7 @@ use super::{backends, load, seen};
 use std::path::Path;
 use twintree::accel::{Backend, BuildSettings, Hit, Ray};
 use twintree::bsdf::Transport;
-use twintree::integrate::learn::learn;
+use twintree::integrate::training::learn;
 use twintree::light::Emitter;
 use twintree::math::{Pcg32, Vec3};
 use twintree::scene::surface::DARK;

@@ -2,7 +2,7 @@
 
 use super::share::{RANGE, Share, Shares, TileShares};
 use crate::film::{FLOOR, Film, Tile};
-use crate::integrate::start::Iteration;
+use crate::integrate::camera_sample::Iteration;
 use crate::math::Rgb;
 use crate::math::rng::{hash_all, unit_f32};
 use crate::math::smooth::smooth;

@@ -3,12 +3,12 @@
 //! A guided path spends most of its time behind its second vertex: there it is followed through
 //! many bounces, to learn one number, the radiance that leaves the second vertex towards the
 //! first. The paths of other pixels can use that number too. So every path that a field aims has a
-//! *stem*, all up to its first rough vertex, and, where the vertex behind that looks alike from
-//! all sides, a *suffix*, all that is found there. The stems of a few pixels form a group, and
+//! *prefix*, all up to its first rough vertex, and, where the vertex behind that looks alike from
+//! all sides, a *suffix*, all that is found there. The prefixes of a few pixels form a group, and
 //! each takes light from the suffixes of all of them (Bekaert, Sbert and Halton, "Accelerating
 //! path tracing by re-using paths", 2002).
 //!
-//! Any stem of the group could have drawn any of the vertices behind. Stem `i` receives from the
+//! Any prefix of the group could have drawn any of the vertices behind. Prefix `i` receives from the
 //! suffix at `y`
 //!
 //! ```text
@@ -22,13 +22,13 @@
 //! average: both places see the same chance.
 //!
 //! What is shared and what is not:
-//! - A stem's direction is drawn once and goes on for certain: where roulette, splitting or the
-//!   choice of a delta lobe have a say there is no stem ([`super::vertex`] asks).
+//! - A prefix's direction is drawn once and goes on for certain: where roulette, splitting or the
+//!   choice of a delta lobe have a say there is no prefix ([`super::vertex`] asks).
 //! - The vertex behind is diffuse, or the base of rough plastic: its radiance is the same towards
-//!   all stems, or differs by a known factor ([`crate::bsdf::View`]). What it emits is for its own
+//!   all prefixes, or differs by a known factor ([`crate::bsdf::View`]). What it emits is for its own
 //!   path alone, weighed against that path's light sample.
 //! - Paths whose throughput there is nearly of one colour share nothing (`LEAST_CHANNEL` in
-//!   `reuse/stem.rs`).
+//!   `reuse/prefix.rs`).
 //! - A group has one sample of each of its pixels: the samples of a pixel stay independent of each
 //!   other, and its variance is what they show. Those of neighbouring pixels do not.
 //!
@@ -41,38 +41,18 @@
 //! - No path of its group makes a pixel brighter than the pixel's own path would, had it met the
 //!   same vertex: the balance heuristic's weights come to one, the pixel's own density is in their
 //!   sum, and a suffix counts once.
-//! - A suffix is linked with the stems of its group when its light is known, and not at all where
+//! - A suffix is linked with the prefixes of its group when its light is known, and not at all where
 //!   it brought none (about half of them): what is saved pays for larger groups.
 //!
 //! The paths themselves, and what [`super::inspect`] shows of them, are the same with and without.
 //!
 //! What was measured, and what else was tried, is in `EXPERIMENTS.md` beside this file.
 
-mod exchange;
 mod pool;
-mod stem;
+mod prefix;
+mod reconnection;
 
-pub use pool::{Admission, Pool};
+pub use pool::{Admission, PrefixPool};
 
-/// Most stems in a group.
+/// Most prefixes in a group.
 pub const MOST: u32 = 64;
-
-/// How far a path has come.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
-    /// It has met nothing but mirrors and glass.
-    Fresh,
-    /// It has just left its first rough vertex, the end of the stem of this number.
-    Left(u32),
-    /// It is past that, or has no stem.
-    Past,
-}
-
-/// Where a path of a wave comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Origin {
-    /// A number for its pixel.
-    pub pixel: u32,
-    /// A number that it shares with one path of other pixels, and with none of its own.
-    pub round: u64,
-}

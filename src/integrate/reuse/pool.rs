@@ -1,21 +1,24 @@
-//! The stems and suffixes of a wave.
+//! The prefixes and suffixes of a wave.
 
-use super::exchange::Exchange;
-use super::stem::{Stem, Suffix};
-use super::{Origin, Stage};
+use super::prefix::{PathPrefix, Suffix};
+use super::reconnection::Reconnector;
 use crate::bsdf::Bsdf;
-use crate::integrate::forks::Forks;
-use crate::integrate::vertex::{Vertex, Walk};
-use crate::integrate::wave::{Outcome, Path};
+use crate::integrate::camera_sample::Origin;
+use crate::integrate::context::PathContext;
+use crate::integrate::guided_path::{GuidedPath, PrefixState};
+use crate::integrate::path::Outcome;
+use crate::integrate::splitting::SplitPaths;
+use crate::integrate::vertex::Vertex;
 use crate::math::Vec3;
 use crate::math::rng::hash_all;
 use crate::texture::SurfacePoint;
 
 /// What the paths of a wave have to share.
-pub struct Pool<'s> {
-    /// Most stems in a group.
+#[derive(Default)]
+pub struct PrefixPool<'s> {
+    /// Most prefixes in a group.
     most: usize,
-    stems: Vec<Stem<'s>>,
+    prefixes: Vec<PathPrefix<'s>>,
 }
 
 /// How a pool takes a path that arrives at a vertex.
@@ -27,15 +30,15 @@ pub enum Admission {
     Shares,
 }
 
-impl<'s> Pool<'s> {
-    /// A pool for groups of up to `most` stems of a wave of so many samples; with 1 it collects
+impl<'s> PrefixPool<'s> {
+    /// A pool for groups of up to `most` prefixes of a wave of so many samples; with 1 it collects
     /// nothing.
     pub fn new(most: u32, samples: usize) -> Self {
-        let stems = if most > 1 { samples } else { 0 };
+        let prefixes = if most > 1 { samples } else { 0 };
         Self {
             most: most as usize,
-            // Stems are large: they are not to be moved as they become more.
-            stems: Vec::with_capacity(stems),
+            // Prefixes are large: they are not to be moved as they become more.
+            prefixes: Vec::with_capacity(prefixes),
         }
     }
 
@@ -45,17 +48,18 @@ impl<'s> Pool<'s> {
         self.most > 1
     }
 
-    /// Keeps the stem of a path that is about to leave its first rough vertex, which a field
+    /// Keeps the prefix of a path that is about to leave its first rough vertex, which a field
     /// guides. Returns its number.
-    pub(in crate::integrate) fn add_stem(
+    pub(in crate::integrate) fn add_prefix(
         &mut self,
         vertex: &Vertex<'_, 's>,
-        path: &Path,
-        forks: &Forks,
+        path: &GuidedPath,
+        split_paths: &SplitPaths,
     ) -> Option<u32> {
-        let sample = forks.sample_of(path.slot);
-        self.stems.push(Stem::new(vertex, path, sample)?);
-        Some(self.stems.len() as u32 - 1)
+        let sample = split_paths.sample_of(path.base.accumulator);
+        self.prefixes
+            .push(PathPrefix::new(vertex, &path.base, sample)?);
+        Some(self.prefixes.len() as u32 - 1)
     }
 
     /// A path arrives at a vertex. If what is found there can be shared, it gets an account of its
@@ -63,57 +67,62 @@ impl<'s> Pool<'s> {
     #[inline]
     pub fn arrive(
         &mut self,
-        path: &mut Path,
+        path: &mut GuidedPath,
         point: &SurfacePoint,
         bsdf: &Bsdf,
         wo: Vec3,
-        forks: &mut Forks,
+        split_paths: &mut SplitPaths,
     ) -> Admission {
-        let Stage::Left(stem) = path.stage else {
+        let PrefixState::EndsHere(prefix) = path.prefix else {
             return Admission::Alone;
         };
-        path.stage = Stage::Past;
-        let suffix = bsdf.view().and_then(|v| Suffix::new(point, wo, path, v));
+        path.prefix = PrefixState::Past;
+        let suffix = bsdf
+            .view()
+            .and_then(|v| Suffix::new(point, wo, &path.base, v));
         let Some(mut suffix) = suffix else {
             return Admission::Alone;
         };
-        path.slot = forks.open(path.slot);
-        suffix.slot = path.slot;
-        self.stems[stem as usize].suffix = Some(suffix);
+        path.base.accumulator = split_paths.open(path.base.accumulator);
+        suffix.accumulator = path.base.accumulator;
+        self.prefixes[prefix as usize].suffix = Some(suffix);
         Admission::Shares
     }
 
-    /// Settles the accounts of a wave so that what was found behind stems goes to all that could
+    /// Settles the accounts of a wave so that what was found behind prefixes goes to all that could
     /// have found it. Returns how many rays that took.
-    pub fn settle(
+    pub fn reduce(
         &self,
-        walk: &Walk,
+        context: &PathContext,
         origins: &[Origin],
-        forks: &mut Forks,
+        split_paths: &mut SplitPaths,
         outcomes: &mut [Outcome],
     ) -> u64 {
-        let mut exchange = Exchange::new(walk, &self.stems);
-        let suffixes = self.stems.iter().filter_map(|stem| stem.suffix.as_ref());
-        suffixes.for_each(|suffix| forks.detach(suffix.slot));
-        forks.settle(outcomes);
-        for group in self.groups(walk.settings.seed, origins) {
+        let mut exchange = Reconnector::new(context, &self.prefixes);
+        let suffixes = self
+            .prefixes
+            .iter()
+            .filter_map(|prefix| prefix.suffix.as_ref());
+        suffixes.for_each(|suffix| split_paths.detach(suffix.accumulator));
+        split_paths.reduce(outcomes);
+        for group in self.groups(context.settings.seed, origins) {
             exchange.meet(&group, outcomes);
         }
-        for gift in &exchange.gifts {
-            gift.pay(outcomes);
+        for contribution in &exchange.contributions {
+            contribution.pay(outcomes);
         }
         exchange.rays_traced
     }
 
-    /// Stems of like samples in groups, all pixels mixed, so that what they have in common is
+    /// Prefixes of like samples in groups, all pixels mixed, so that what they have in common is
     /// spread.
     fn groups(&self, seed: u64, origins: &[Origin]) -> Vec<Vec<u32>> {
-        let lots = self.stems.iter().zip(0..).map(|(stem, number)| {
-            let Origin { pixel, round } = origins[stem.sample as usize];
+        let lots = self.prefixes.iter().zip(0..).map(|(prefix, number)| {
+            let Origin { pixel, round } = origins[prefix.sample as usize];
             Lot {
-                // A path may be cut off at a depth: only stems of one depth stand for the same
+                // A path may be cut off at a depth: only prefixes of one depth stand for the same
                 // suffixes.
-                kind: (round, stem.depth),
+                kind: (round, prefix.depth),
                 lot: hash_all([seed, round, u64::from(pixel)]),
                 number,
             }
@@ -122,16 +131,16 @@ impl<'s> Pool<'s> {
     }
 }
 
-/// A stem that waits for its group.
+/// A prefix that waits for its group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Lot {
-    /// Only stems of one kind meet.
+    /// Only prefixes of one kind meet.
     kind: (u64, u32),
     lot: u64,
     number: u32,
 }
 
-/// Groups of up to `most` stems by their lots, as equal in size as can be.
+/// Groups of up to `most` prefixes by their lots, as equal in size as can be.
 fn grouped(mut lots: Vec<Lot>, most: usize) -> Vec<Vec<u32>> {
     lots.sort_unstable();
     let mut groups = Vec::with_capacity(lots.len() / most + 1);
@@ -151,7 +160,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn like_stems_meet_in_groups_of_like_size() {
+    fn like_prefixes_meet_in_groups_of_like_size() {
         let lots: Vec<Lot> = (0..100)
             .map(|number| Lot {
                 kind: (u64::from(number % 3), u32::from(number == 99)),
@@ -162,11 +171,11 @@ mod tests {
         let groups = grouped(lots.clone(), 8);
         let mut all = groups.concat();
         all.sort_unstable();
-        assert!(all.iter().copied().eq(0..100), "each stem has one group");
+        assert!(all.iter().copied().eq(0..100), "each prefix has one group");
         for group in &groups {
             let kind = lots[group[0] as usize].kind;
             assert!(group.iter().all(|&i| lots[i as usize].kind == kind));
-            // 33 stems of each kind but for one: five groups.
+            // 33 prefixes of each kind but for one: five groups.
             let sizes = if kind.1 == 1 { 1..=1 } else { 6..=7 };
             assert!(sizes.contains(&group.len()), "{group:?}");
         }

@@ -1,36 +1,26 @@
 //! How long paths live.
 
-use crate::integrate::chain::Kinds;
-use crate::integrate::roulette::{by_field, by_throughput, ways};
-use crate::integrate::wave::{NO_STATION, Path};
+use crate::accel::Ray;
+use crate::camera::CameraRay;
+use crate::integrate::guided_path::GuidedPath;
+use crate::integrate::path::Path;
+use crate::integrate::roulette::{by_field, by_throughput, split_factor};
 use crate::math::{PathSampler, Rgb, Vec3};
 
-fn path(throughput: Rgb, eta: f32) -> Path {
-    Path {
-        chain: Kinds::EMPTY,
-        station: NO_STATION,
-        throughput,
-        pdf: 1.0,
-        from: Vec3::ZERO,
-        from_normal: Vec3::ZERO,
-        eta,
-        depth: 7,
-        light_chance: 1.0,
-        expected: 0.0,
-        ways: 1,
-        lots: 1.0,
-        stage: crate::integrate::reuse::Stage::Fresh,
-        aimed_with: 1.0,
-        slot: 0,
+fn path(throughput: Rgb, eta: f32) -> GuidedPath {
+    let camera = CameraRay {
+        ray: Ray::new(Vec3::ZERO, Vec3::Z),
         cone_width: 0.0,
         cone_spread: 0.0,
-        sampler: PathSampler::independent(0, 0, 0),
-    }
+    };
+    let mut path = Path::new(&camera, PathSampler::independent(0, 0, 0), 0);
+    (path.throughput, path.eta, path.depth) = (throughput, eta, 7);
+    GuidedPath::new(path, 1.0)
 }
 
 #[test]
 fn by_throughput_a_path_lives_as_its_brightest_channel_says() {
-    let chance = |r, g, b, eta| by_throughput(&path(Rgb::new(r, g, b), eta));
+    let chance = |r, g, b, eta| by_throughput(&path(Rgb::new(r, g, b), eta).base, 1.0);
     assert_eq!(chance(0.1, 0.5, 0.2, 1.0), 0.5);
     // Inside glass the throughput is scaled by 1/eta^2, which says nothing about what it will bring.
     assert!((chance(0.2, 0.2, 0.2, 1.5) - 0.45).abs() < 1e-6);
@@ -43,13 +33,13 @@ fn by_throughput_a_path_lives_as_its_brightest_channel_says() {
 }
 
 #[test]
-fn a_path_that_was_aimed_through_glass_is_not_ended_for_its_low_throughput() {
+fn a_path_that_was_guided_through_glass_is_not_ended() {
     let mut p = path(Rgb::splat(0.002), 1.0);
-    p.aimed_with = 0.002;
-    assert_eq!(by_throughput(&p), 0.95);
+    p.reference_throughput = 0.002;
+    assert_eq!(by_throughput(&p.base, p.reference_throughput), 0.95);
     // Glass that absorbs half since.
-    p.throughput *= 0.5;
-    assert_eq!(by_throughput(&p), 0.5);
+    p.base.throughput *= 0.5;
+    assert_eq!(by_throughput(&p.base, p.reference_throughput), 0.5);
 }
 
 #[test]
@@ -57,37 +47,42 @@ fn by_the_field_a_path_lives_for_its_share_of_the_sample() {
     let mut p = path(Rgb::splat(1e-6), 1.0);
     // The first vertex sets what is expected; however dark the throughput, nothing is lost yet.
     assert_eq!(by_field(&mut p, 6.0), 1.0);
-    assert_eq!(p.expected, 6.0);
+    assert_eq!(p.pixel_estimate, 6.0);
     // Half of the sample or more is worth going on for certain.
     assert_eq!(by_field(&mut p, 3.0), 1.0);
     assert_eq!(by_field(&mut p, 60.0), 1.0);
     assert!((by_field(&mut p, 1.5) - 0.5).abs() < 1e-6);
     // The field may be wrong.
     assert_eq!(by_field(&mut p, 0.0), 0.1);
-    assert_eq!(p.expected, 6.0, "what was expected stays");
+    assert_eq!(p.pixel_estimate, 6.0, "what was expected stays");
 }
 
 #[test]
 fn nonsense_from_a_field_never_ends_a_path() {
-    for (expected, coming) in [(1.0, f32::NAN), (f32::INFINITY, f32::INFINITY)] {
+    for (expected, expected_contribution) in [(1.0, f32::NAN), (f32::INFINITY, f32::INFINITY)] {
         let mut p = path(Rgb::ONE, 1.0);
-        p.expected = expected;
-        assert_eq!(by_field(&mut p, coming), 1.0);
-        assert_eq!(ways(&p, coming), 1);
+        p.pixel_estimate = expected;
+        assert_eq!(by_field(&mut p, expected_contribution), 1.0);
+        assert_eq!(split_factor(&p, expected_contribution), 1);
     }
 }
 
 #[test]
 fn a_path_worth_more_than_its_sample_is_split_into_ways_worth_1_2_times_as_much_at_most() {
     let mut p = path(Rgb::ONE, 1.0);
-    assert_eq!(ways(&p, 1e9), 1, "nothing is expected yet");
-    p.expected = 3.0;
-    for (coming, n) in [(0.0, 1), (3.5, 1), (3.7, 2), (7.1, 2), (7.3, 3), (1e9, 32)] {
-        assert_eq!(ways(&p, coming), n, "{coming}");
+    assert_eq!(split_factor(&p, 1e9), 1, "nothing is expected yet");
+    p.pixel_estimate = 3.0;
+    for (expected_contribution, n) in [(0.0, 1), (3.5, 1), (3.7, 2), (7.1, 2), (7.3, 3), (1e9, 32)]
+    {
+        assert_eq!(
+            split_factor(&p, expected_contribution),
+            n,
+            "{expected_contribution}"
+        );
     }
     for (so_far, n) in [(2, 16), (5, 6), (20, 1), (32, 1), (33, 1)] {
-        p.ways = so_far;
-        assert_eq!(ways(&p, 1e30), n, "{so_far}");
+        p.split_factor = so_far;
+        assert_eq!(split_factor(&p, 1e30), n, "{so_far}");
     }
     // No way is in danger of roulette at once.
     assert_eq!(by_field(&mut p, 3.7 / 2.0), 1.0);
@@ -102,8 +97,11 @@ fn what_survives_stands_for_what_does_not() {
     for _ in 0..n {
         let u = sampler.next4();
         let mut p = path(Rgb::splat(0.3), 1.0);
-        p.expected = 10.0;
-        let by = [by_throughput(&p), by_field(&mut p, 1.4)];
+        p.pixel_estimate = 10.0;
+        let by = [
+            by_throughput(&p.base, p.reference_throughput),
+            by_field(&mut p, 1.4),
+        ];
         for ((sum, chance), u) in sums.iter_mut().zip(by).zip(u) {
             if u < chance {
                 *sum += f64::from(1.0 / chance);

@@ -168,7 +168,7 @@ pub struct FieldStats {
     pub training_bytes: u64,
 }
 
-/// Whether guiding paid; see [`crate::integrate::trial::Verdict`].
+/// Whether guiding paid; see [`crate::integrate::training::trial::Verdict`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs)]
 pub struct Trial {

@@ -1,0 +1,61 @@
+//! The cells of R as the camera sees them.
+
+use super::probe::seen_from;
+use crate::guide::Field;
+use crate::integrate::context::View;
+use crate::integrate::guiding::facing;
+use crate::math::rng::{hash64, unit_f32};
+use crate::math::{Rgb, Vec2};
+use rayon::prelude::*;
+
+/// A picture of the first surfaces, each cell of the field in a colour of its own, shaded by the cosine;
+/// and how many cells are in it. Black where nothing is seen.
+pub fn seen(view: &View, field: &Field) -> (Vec<Rgb>, usize) {
+    let (width, height) = (view.film.width, view.film.height);
+    let cells: Vec<Option<(u32, f32)>> = (0..width * height)
+        .into_par_iter()
+        .map(|i| {
+            let at = Vec2::new((i % width) as f32 + 0.5, (i / width) as f32 + 0.5);
+            let (point, wo) = seen_from(view.scene, view.camera, at)?;
+            let normal = facing(&point, wo);
+            Some((field.cell(point.p, normal), normal.dot(wo).abs()))
+        })
+        .collect();
+    let mut names: Vec<u32> = cells.iter().flatten().map(|c| c.0).collect();
+    names.sort_unstable();
+    names.dedup();
+    let pixels = cells.into_iter().map(|cell| match cell {
+        Some((cell, cosine)) => colour(cell) * (0.25 + 0.75 * cosine),
+        None => Rgb::ZERO,
+    });
+    (pixels.collect(), names.len())
+}
+
+/// A bright colour that depends on a number as if by chance.
+fn colour(cell: u32) -> Rgb {
+    let h = hash64(u64::from(cell).wrapping_add(0x9e37_79b9_7f4a_7c15));
+    let hue = 6.0 * unit_f32((h >> 32) as u32);
+    let pale = 0.1 + 0.4 * unit_f32(h as u32);
+    let bump = |centre: f32| {
+        let away = (hue - centre).rem_euclid(6.0);
+        let away = away.min(6.0 - away);
+        (2.0 - away).clamp(0.0, 1.0)
+    };
+    let pure = Rgb::new(bump(0.0), bump(2.0), bump(4.0));
+    Rgb::splat(pale) + pure * (1.0 - pale)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_are_bright_and_differ() {
+        for cell in 0..1000 {
+            let c = colour(cell);
+            assert!(c.max_element() > 0.99 && c.min_element() >= 0.1, "{c}");
+            let near = (colour(cell + 1) - c).abs().max_element();
+            assert!(near > 1e-4, "{cell}");
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! Who aims at suns and lamps, and how often.
+//!
+//! Rough vertices of guided paths do that some chain leads to (see [`super::chain`]), with a chance that a trial
+//! found to pay.
+
+use super::follow::Cone;
+use super::receiver::Receiver;
+use super::sample::{ManifoldSample, Request};
+use crate::integrate::context::PathContext;
+use crate::integrate::direction::ROUGH_SPREAD;
+use crate::integrate::guided_path::{GuidedPath, PrefixState};
+use crate::integrate::guiding::is_guidable;
+use crate::integrate::vertex::Vertex;
+/// How much less often a path aims behind its first rough vertex: what it finds there counts for less.
+const BEHIND_FIRST: f32 = 0.4;
+/// Sets the numbers that chains are sampled by apart from others.
+const NUMBERS: u32 = 0x6169_6d00;
+
+/// Where a vertex aims from, and with which chance; `None` where it never does. (Whether any chain leads there is not asked
+/// before it does: most vertices do not aim, most times.)
+#[inline]
+pub(in crate::integrate) fn receiver(
+    context: &PathContext,
+    vertex: &Vertex,
+    path: &GuidedPath,
+) -> Option<(Receiver, f32)> {
+    let manifold = context.guide?.manifold()?;
+    if !is_guidable(vertex.bsdf) {
+        return None;
+    }
+    let receiver = Receiver::new(vertex.point, vertex.bsdf, vertex.wo);
+    let chance = match path.prefix {
+        PrefixState::Growing => manifold.rate(),
+        _ => manifold.rate() * BEHIND_FIRST,
+    };
+    Some((receiver, chance))
+}
+
+/// Samples a light by a specular chain from a vertex at a `distance` from the one before, with the
+/// probability that stands with its receiver.
+#[inline]
+pub(in crate::integrate) fn sample_manifold(
+    context: &PathContext,
+    vertex: &Vertex,
+    receiver: Option<(Receiver, f32)>,
+    path: &GuidedPath,
+    distance: f32,
+) -> Option<ManifoldSample> {
+    let (manifold, (receiver, chance)) = (context.guide?.manifold()?, receiver?);
+    let path = &path.base;
+    // Numbers beside the path's own.
+    let mut numbers = path.sampler.fork(NUMBERS);
+    if numbers.next4()[0] >= chance {
+        return None;
+    }
+    let request = Request {
+        context,
+        vertex,
+        receiver: &receiver,
+        chance,
+        most: (context.settings.max_depth - 2).saturating_sub(path.depth),
+        cone: Cone {
+            width: path.cone_width + path.cone_spread * distance,
+            spread: path.cone_spread.max(vertex.bsdf.roughness() * ROUGH_SPREAD),
+        },
+    };
+    let [a, b, c, _] = numbers.next4();
+    Some(manifold.chains().sample(&request, [a, b, c]))
+}

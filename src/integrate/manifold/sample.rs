@@ -1,0 +1,137 @@
+//! Light by a chain, sampled at a rough vertex.
+
+use super::chains::{SpecularChains, owner, total};
+use super::follow::{Arrived, Cone, follow};
+use super::newton::solve;
+use super::receiver::Receiver;
+use crate::accel::Hit;
+use crate::bsdf::Transport;
+use crate::integrate::context::PathContext;
+use crate::integrate::vertex::Vertex;
+use crate::light::{Beacon, Shining};
+use crate::math::frame::normals_disagree;
+use crate::math::mis::power_heuristic;
+use crate::math::{Rgb, Vec2};
+use crate::scene::Scene;
+
+/// What is to be sampled.
+pub(in crate::integrate) struct Request<'v, 's> {
+    pub context: &'v PathContext<'s>,
+    pub vertex: &'v Vertex<'v, 's>,
+    /// The vertex.
+    pub receiver: &'v Receiver,
+    /// The chance with which it is asked for.
+    pub chance: f32,
+    /// Most scatterings of the chain.
+    pub most: u32,
+    /// What rays stand for that leave the vertex.
+    pub cone: Cone,
+}
+
+/// A light that was found.
+#[derive(Clone, Copy, Debug)]
+pub struct FoundLight {
+    /// Radiance that the vertex reflects, before it is divided by a density.
+    pub radiance: Rgb,
+    /// Density with which it was drawn, solid angle, the chance of drawing at all included.
+    pub pdf: f32,
+    /// Density with which the path would have drawn it by itself.
+    pub path_pdf: f32,
+}
+
+impl FoundLight {
+    /// What the vertex gains.
+    pub fn light(&self) -> Rgb {
+        self.radiance * (power_heuristic(self.pdf, self.path_pdf) / self.pdf)
+    }
+}
+
+/// What came of aiming.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ManifoldSample {
+    /// The light.
+    pub found: Option<FoundLight>,
+    /// Rays that it took.
+    pub rays: u32,
+}
+
+impl SpecularChains {
+    /// Samples light that arrives at a vertex by a chain. `u` are three uniform numbers: one chooses the seed, two the
+    /// place in the image.
+    pub(in crate::integrate) fn sample(&self, request: &Request, u: [f32; 3]) -> ManifoldSample {
+        let mut rays = 0;
+        let found = self.find(request, u, &mut rays);
+        ManifoldSample { found, rays }
+    }
+
+    fn find(&self, request: &Request, u: [f32; 3], rays: &mut u32) -> Option<FoundLight> {
+        let Request {
+            context,
+            vertex,
+            receiver,
+            ..
+        } = *request;
+        let scene = context.scene;
+        let seeds = self.guesses.near(receiver.position);
+        let total = total(seeds, receiver);
+        let mut rest = u[0] * total;
+        let chosen = seeds.iter().position(|s| {
+            rest -= receiver.weight(s);
+            rest < 0.0
+        })?;
+        let seed = &seeds[chosen];
+        if seed.chain.len() > request.most {
+            return None;
+        }
+        let beacon = &self.beacons[seed.beacon as usize];
+        let image = solve(scene, receiver, seed, beacon, rays)?;
+        let (dir, image_pdf) = image.sample(Vec2::new(u[1], u[2]));
+        let pdf = image_pdf * (receiver.weight(seed) / total * request.chance);
+        let usable = pdf > 0.0 && pdf.is_finite();
+        if !usable || owner(seeds, receiver, dir, seed.chain, seed.beacon) != Some(chosen) {
+            return None;
+        }
+        let strict = context.settings.strict_normals;
+        let normals = vertex.point.normals();
+        if strict && (normals_disagree(normals, dir) || normals_disagree(normals, vertex.wo)) {
+            return None;
+        }
+        let (f, bsdf_pdf) = vertex.bsdf.eval_pdf(vertex.wo, dir, Transport::Radiance);
+        if f == Rgb::ZERO {
+            return None;
+        }
+        *rays += seed.chain.len() + 1;
+        let arrived = follow(scene, receiver.ray(dir), seed.chain, request.cone, strict)?;
+        let radiance = f * (arrived.weight * shining(scene, beacon, &arrived)?);
+        Some(FoundLight {
+            radiance,
+            pdf,
+            path_pdf: vertex.guided.map_or(bsdf_pdf, |g| g.pdf(dir, bsdf_pdf)),
+        })
+    }
+}
+
+/// What a light sends along the end of a chain, if the chain ends there.
+fn shining(scene: &Scene, beacon: &Beacon, arrived: &Arrived) -> Option<Rgb> {
+    let Arrived { ray, mut cone, .. } = *arrived;
+    if let Beacon::Sun { .. } = beacon {
+        if !beacon.is(Shining::Sky(ray.dir)) {
+            return None;
+        }
+        let mut blocked = [false];
+        scene.rays.occluded_batch(&[ray], &mut blocked);
+        return (!blocked[0]).then(|| scene.lights.environment(ray.dir));
+    }
+    let mut hits = [Hit::NONE];
+    scene.rays.intersect_batch(&[ray], &mut hits);
+    let hit = &hits[0];
+    let surface = hit
+        .is_some()
+        .then(|| &scene.surfaces.list[hit.shape as usize])?;
+    if !beacon.is(Shining::Shape(surface.emitter)) {
+        return None;
+    }
+    cone.grow(hit.t);
+    let point = scene.surfaces.point(&ray, hit, cone.width);
+    Some(scene.emitted(surface, &point, -ray.dir))
+}

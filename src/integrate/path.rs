@@ -1,0 +1,89 @@
+//! The state of a path, and what a sample came to.
+
+use crate::camera::CameraRay;
+use crate::math::{PathSampler, Rgb, Vec3};
+
+/// What a path carries from one vertex to the next.
+#[derive(Clone, Copy, Debug)]
+pub struct Path {
+    /// Product of BSDF weights so far.
+    pub throughput: Rgb,
+    /// Density with which the last direction was drawn, solid angle; infinite after a delta lobe
+    /// and at the camera.
+    pub pdf: f32,
+    /// The vertex the ray left.
+    pub from: Vec3,
+    /// The normal that light sampling was given there (zero: light from all sides).
+    pub from_normal: Vec3,
+    /// The probability with which a light was sampled there: 1 unless a field chose it.
+    pub light_chance: f32,
+    /// Product of relative indices of refraction.
+    pub eta: f32,
+    /// Edges so far.
+    pub depth: u32,
+    /// Index of its accumulator among the wave's outcomes: its sample's, or one of its own once
+    /// the path was split.
+    pub accumulator: u32,
+    /// Width of the ray's cone at its origin.
+    pub cone_width: f32,
+    /// Growth of that width per unit distance.
+    pub cone_spread: f32,
+    /// Numbers to come.
+    pub sampler: PathSampler,
+}
+
+impl Path {
+    /// A path that begins at the camera.
+    #[inline]
+    pub fn new(camera: &CameraRay, sampler: PathSampler, accumulator: u32) -> Self {
+        Self {
+            throughput: Rgb::ONE,
+            pdf: f32::INFINITY,
+            from: camera.ray.org,
+            from_normal: Vec3::ZERO,
+            light_chance: 1.0,
+            eta: 1.0,
+            depth: 0,
+            accumulator,
+            cone_width: camera.cone_width,
+            cone_spread: camera.cone_spread,
+            sampler,
+        }
+    }
+}
+
+impl AsRef<Path> for Path {
+    #[inline]
+    fn as_ref(&self) -> &Path {
+        self
+    }
+}
+
+/// What the camera sees first along a sample: for the AOVs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FirstHit {
+    /// Reflectance.
+    pub albedo: Rgb,
+    /// Shading normal, world space.
+    pub normal: Vec3,
+    /// Distance; 0 where nothing was met.
+    pub depth: f32,
+}
+
+/// What a sample came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Outcome {
+    /// Radiance.
+    pub radiance: Rgb,
+    /// First surface.
+    pub first: FirstHit,
+}
+
+/// What a path was when it came to a vertex.
+#[derive(Clone, Copy, Debug)]
+pub struct Arrival {
+    /// Its throughput.
+    pub throughput: Rgb,
+    /// What its sample had come to, the vertex's own emission included.
+    pub radiance: Rgb,
+}

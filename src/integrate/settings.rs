@@ -1,0 +1,51 @@
+//! How paths are traced: what the scene and the command line say.
+
+use crate::math::PathSampler;
+use crate::scene::description::SamplerKind;
+
+/// How paths are traced.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PathSettings {
+    /// Most edges of a path seen from the camera: 1 is emission alone, 2 adds direct light. `u32::MAX` is unlimited.
+    pub max_depth: u32,
+    /// Russian roulette starts at this depth.
+    pub rr_depth: u32,
+    /// What roulette goes by where a field guides.
+    pub roulette: Roulette,
+    /// How many paths share what they find behind their first rough vertices, where a field guides (see
+    /// [`reuse`]); 1: none do.
+    pub reuse: u32,
+    /// Where a field guides, paths aim at suns and lamps behind mirrors and glass, too (see [`chain`]), if that pays.
+    pub aim: bool,
+    /// Where a field is learned from the image's first samples, the later ones are spread by noise (see [`adaptive`]).
+    pub adaptive: bool,
+    /// The camera itself does not see emitters.
+    pub hide_emitters: bool,
+    /// Drop light that crosses a surface by its shading normal only.
+    pub strict_normals: bool,
+    /// Which numbers drive the samples.
+    pub sampler: SamplerKind,
+    /// Stream of all random numbers.
+    pub seed: u64,
+}
+
+impl PathSettings {
+    /// The numbers of path number `path` of a pixel, whose Sobol sequence starts with path `begin`.
+    #[inline]
+    pub fn sampler(&self, pixel: u64, begin: u64, path: u64) -> PathSampler {
+        match self.sampler {
+            SamplerKind::Independent => PathSampler::independent(self.seed, pixel, path),
+            SamplerKind::Sobol => PathSampler::sobol(self.seed, pixel, begin, path),
+        }
+    }
+}
+
+/// What the chance of a guided path to go on is decided by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Roulette {
+    /// What the field expects the path to bring.
+    #[default]
+    Field,
+    /// The throughput, as without a field.
+    Throughput,
+}

@@ -1,0 +1,143 @@
+//! Ways that split off paths.
+//!
+//! Where a path is worth more than its sample was expected to come to, it is split: it goes on in several
+//! directions, each of which carries its share of the throughput (see [`super::roulette`]). Every way has an
+//! account of its own among a wave's outcomes, so that what came along it can be told from what came along
+//! its siblings: that is what lessons are made of. At the end all accounts are paid into those of the paths
+//! that they split off from.
+
+use super::guided_path::GuidedPath;
+use super::path::{Arrival, Outcome};
+use crate::accel::Ray;
+use crate::math::Rgb;
+
+/// The accounts of a wave beyond its samples, and the ways that wait for the next bounce.
+#[derive(Default)]
+pub struct SplitPaths {
+    samples: u32,
+    /// For each further account, which one it belongs to: an earlier one, or itself if it is detached.
+    parents: Vec<u32>,
+    waiting: Vec<(GuidedPath, Ray)>,
+}
+
+impl SplitPaths {
+    /// Forgets all ways. The accounts of `samples` samples come first.
+    pub fn start(&mut self, samples: usize) {
+        self.samples = samples as u32;
+        self.parents.clear();
+        self.waiting.clear();
+    }
+
+    /// A new account for a way that splits off a path whose account is `parent`.
+    #[inline]
+    pub fn open(&mut self, parent: u32) -> u32 {
+        self.parents.push(parent);
+        self.samples + self.parents.len() as u32 - 1
+    }
+
+    /// The sample that an account belongs to in the end, which must not be detached.
+    #[inline]
+    pub fn sample_of(&self, mut account: u32) -> u32 {
+        while account >= self.samples {
+            account = self.parents[(account - self.samples) as usize];
+        }
+        account
+    }
+
+    /// An account that [`SplitPaths::reduce`] is not to add to the one that it belongs to.
+    #[inline]
+    pub fn detach(&mut self, account: u32) {
+        self.parents[(account - self.samples) as usize] = account;
+    }
+
+    /// How many accounts there are, the samples' included.
+    #[inline]
+    pub fn accumulators(&self) -> usize {
+        self.samples as usize + self.parents.len()
+    }
+
+    /// A way that splits off a path, with an account of its own and numbers of its own.
+    #[inline]
+    pub fn branch(&mut self, path: &GuidedPath, way: u32) -> GuidedPath {
+        let mut branch = *path;
+        branch.base.accumulator = self.open(path.base.accumulator);
+        branch.base.sampler = path.base.sampler.fork(way);
+        branch
+    }
+
+    /// Lets a path `go` on in several ways, each with its share of the throughput. The path itself takes the
+    /// first, with an account of its own like the others.
+    pub fn split(
+        &mut self,
+        ways: u32,
+        path: &mut GuidedPath,
+        mut go: impl FnMut(&mut GuidedPath, &Arrival) -> Option<Ray>,
+    ) -> Option<Ray> {
+        path.base.throughput /= ways as f32;
+        path.split_factor *= ways;
+        let arrival = Arrival {
+            throughput: path.base.throughput,
+            radiance: Rgb::ZERO,
+        };
+        for i in 1..ways {
+            let mut way = self.branch(path, i);
+            if let Some(ray) = go(&mut way, &arrival) {
+                self.push(way, ray);
+            }
+        }
+        path.base.accumulator = self.open(path.base.accumulator);
+        go(path, &arrival)
+    }
+
+    /// Keeps a way for the next bounce.
+    #[inline]
+    pub fn push(&mut self, path: GuidedPath, ray: Ray) {
+        self.waiting.push((path, ray));
+    }
+
+    /// The ways that wait, in the order in which they came.
+    #[inline]
+    pub fn take(&mut self) -> impl Iterator<Item = (GuidedPath, Ray)> + '_ {
+        self.waiting.drain(..)
+    }
+
+    /// Adds every account to the one that it belongs to, the last first: an account is complete before it is
+    /// passed on.
+    pub fn reduce(&self, outcomes: &mut [Outcome]) {
+        for (i, &parent) in self.parents.iter().enumerate().rev() {
+            let account = self.samples as usize + i;
+            if parent as usize != account {
+                let radiance = outcomes[account].radiance;
+                outcomes[parent as usize].radiance += radiance;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_came_along_ways_of_ways_reaches_the_sample() {
+        let mut split_paths = SplitPaths::default();
+        split_paths.start(2);
+        let (a, b) = (split_paths.open(1), split_paths.open(1));
+        let c = split_paths.open(a);
+        assert_eq!((a, b, c, split_paths.accumulators()), (2, 3, 4, 5));
+        let mut outcomes: Vec<Outcome> = (0..5)
+            .map(|i| Outcome {
+                radiance: Rgb::splat(10f32.powi(i)),
+                ..Outcome::default()
+            })
+            .collect();
+        split_paths.reduce(&mut outcomes);
+        let sums = outcomes.iter().map(|o| o.radiance.x);
+        assert_eq!(
+            sums.collect::<Vec<_>>(),
+            [1.0, 11110.0, 10100.0, 1000.0, 10000.0]
+        );
+        split_paths.start(1);
+        assert_eq!(split_paths.accumulators(), 1);
+    }
+}

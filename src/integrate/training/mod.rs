@@ -1,0 +1,19 @@
+//! Training the field: from photons before rendering, from the image's first samples, and whether that pays.
+
+pub mod camera_paths;
+mod count;
+pub mod effort;
+pub mod extend;
+pub mod importance;
+mod learner;
+pub mod mixtures;
+mod passes;
+mod photons;
+pub mod record;
+mod settings;
+pub mod trial;
+
+pub use count::traced;
+pub use learner::{Learned, Learner, garbage, learn};
+pub(super) use passes::train_passes;
+pub use settings::LearnSettings;

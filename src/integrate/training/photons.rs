@@ -1,0 +1,192 @@
+//! The photons that teach a field: how many, in what parts, and what they cost.
+//!
+//! Where a render learns on the way and may find that guiding does not pay, photons come in two helpings: a small one
+//! before the trial, and the others once it is known that they are worth their while.
+
+use super::count::add_traced;
+use super::effort::{self, Effort};
+use super::settings::LearnSettings;
+use crate::guide::{BATCH, GuideError, Photon, Settings, Source, SurfacePoint, Trainer};
+use crate::photon::schedule::{Budget, Experience, Schedule, part};
+use crate::photon::wave::PhotonWave;
+use crate::photon::{Landing, PhotonCounts};
+use crate::scene::Scene;
+use rayon::prelude::*;
+use std::ops::Range;
+use std::time::Instant;
+
+/// Rounds of refining after a batch.
+pub(super) const ROUNDS: u32 = 4;
+/// Points that measure the area inside cells, at most; at least a sixty-fourth of that.
+const AREA_POINTS: usize = 1 << 20;
+/// A small image has one for so many of its samples: its field has few cells.
+const SAMPLES_A_POINT: u64 = 16;
+/// Photons in a wave: one task.
+const WAVE_PHOTONS: u64 = 8192;
+/// Bytes of a landing: it waits to be learned from, or as it was learned from.
+const LANDING_BYTES: u64 = 100;
+
+/// Of the memory one part in so many is kept for records, whatever the trees take.
+const LEAST_ROOM: u64 = 2;
+
+/// How far photons go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Portion {
+    /// As far as is worth it before anybody knows whether guiding pays.
+    First,
+    /// As far as is worth it.
+    All,
+}
+
+/// What teaches from photons, batch by batch.
+#[derive(Clone, Debug)]
+pub(super) struct PhotonTraining {
+    schedule: Schedule,
+    effort: Effort,
+    landings: u64,
+    /// What became of them so far.
+    pub counts: PhotonCounts,
+    /// Most bytes that learning from them held at a time.
+    pub peak: u64,
+}
+
+impl PhotonTraining {
+    /// None yet.
+    pub fn new(settings: &LearnSettings, effort: Effort) -> Self {
+        Self {
+            schedule: Schedule::new(settings.photons),
+            effort,
+            landings: 0,
+            counts: PhotonCounts::default(),
+            peak: 0,
+        }
+    }
+
+    /// Teaches, until photons are no longer worth what they cost. `begun` is when learning began.
+    pub fn teach(
+        &mut self,
+        scene: &Scene,
+        settings: &LearnSettings,
+        trainer: &mut Trainer,
+        helping: Portion,
+        begun: Instant,
+    ) {
+        let share = effort::PHOTONS[usize::from(helping == Portion::All)];
+        self.schedule.open(share);
+        while let Some(mut photons) = self.schedule.next_batch() {
+            let (before, landed_before, mut gain) = (self.landings, self.counts.emitted, 0.0);
+            while !photons.is_empty() {
+                let room = room(settings, trainer) / LANDING_BYTES;
+                let part = part(&mut photons, self.landings, room.min(BATCH));
+                gain += self.learn_from(scene, settings, trainer, part);
+            }
+            let landings = self.landings - before;
+            let cost = effort::photons(self.counts.emitted - landed_before, landings);
+            self.schedule.learned(Experience {
+                landings,
+                gain,
+                work: self.effort.in_samples(cost),
+                elapsed: begun.elapsed(),
+            });
+        }
+    }
+
+    /// Learns from a part of a batch; what refining gained by it.
+    fn learn_from(
+        &mut self,
+        scene: &Scene,
+        settings: &LearnSettings,
+        trainer: &mut Trainer,
+        part: Range<u64>,
+    ) -> f64 {
+        let emitted = part.end - part.start;
+        let (landed, batch) = trace_batch(scene, settings, part);
+        self.counts += batch;
+        let count = landed.iter().map(|l| l.len() as u64).sum::<u64>();
+        self.landings += count;
+        trainer.train_on_photons(landed, emitted);
+        self.peak = self.peak.max(trainer.bytes() + count * LANDING_BYTES);
+        trainer.refine_rounds(ROUNDS).gain
+    }
+}
+
+/// Bytes that records may take beside the trees.
+pub(super) fn room(settings: &LearnSettings, trainer: &Trainer) -> u64 {
+    let least = settings.memory / LEAST_ROOM;
+    settings.memory.saturating_sub(trainer.bytes()).max(least)
+}
+
+/// Points for a field that is learned from so many photons.
+fn area_points(photons: Budget) -> usize {
+    let Budget::AsNeeded { samples, .. } = photons else {
+        return AREA_POINTS;
+    };
+    let points = usize::try_from(samples / SAMPLES_A_POINT).unwrap_or(AREA_POINTS);
+    points.clamp(AREA_POINTS / 64, AREA_POINTS)
+}
+
+/// A trainer that knows the scene's bounds and how much surface lies where.
+pub(super) fn prepare(scene: &Scene, settings: &LearnSettings) -> Result<Trainer, GuideError> {
+    let bounds = scene.rays.bounds();
+    let mut guide_settings = Settings::new(bounds.min, bounds.max);
+    // The rest is for the records.
+    guide_settings.memory = settings.memory - settings.memory / LEAST_ROOM;
+    guide_settings.seed = settings.photon.seed;
+    guide_settings.model = settings.model;
+    guide_settings.source = match (settings.photons.is_none(), settings.paths) {
+        (true, _) => Source::Paths,
+        (_, 0) => Source::Photons,
+        _ => Source::Both,
+    };
+    // Thin walls, lit from one side, are everywhere in real scenes.
+    guide_settings.normal_split = true;
+    let mut trainer = Trainer::build(guide_settings)?;
+    if settings.photons.is_none() {
+        return Ok(trainer);
+    }
+    let (points, area) = scene.area_points(area_points(settings.photons), settings.photon.seed);
+    // Light lands on either side of a surface.
+    let sides = points.iter().flat_map(|p| {
+        [p.normal, -p.normal].map(|normal| SurfacePoint {
+            position: p.position,
+            normal,
+        })
+    });
+    trainer.set_surface(&sides.collect::<Vec<_>>(), 2.0 * area);
+    Ok(trainer)
+}
+
+/// Traces a batch, in waves side by side; the landings of each, in photon order.
+pub(super) fn trace_batch(
+    scene: &Scene,
+    settings: &LearnSettings,
+    range: Range<u64>,
+) -> (Vec<Vec<Photon>>, PhotonCounts) {
+    let starts: Vec<u64> = range.clone().step_by(WAVE_PHOTONS as usize).collect();
+    let waves: Vec<_> = starts
+        .par_iter()
+        .map_init(PhotonWave::default, |wave, &from| {
+            let mut landed = Vec::new();
+            let to = (from + WAVE_PHOTONS).min(range.end);
+            let counts = wave.trace(scene, &settings.photon, from..to, &mut |l: Landing| {
+                // What comes straight from an emitter is found by next-event estimation.
+                if l.bounces > 0 {
+                    landed.push(Photon {
+                        position: l.position,
+                        direction: l.direction,
+                        power: l.power,
+                        distance: l.distance,
+                        normal: l.normal,
+                    });
+                }
+            });
+            landed.shrink_to_fit();
+            add_traced(to - from);
+            (landed, counts)
+        })
+        .collect();
+    let (landed, counts): (Vec<_>, Vec<_>) = waves.into_iter().unzip();
+    let mut sum = PhotonCounts::default();
+    counts.into_iter().for_each(|wave| sum += wave);
+    (landed, sum)
+}
