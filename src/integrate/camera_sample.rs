@@ -9,13 +9,14 @@ use crate::film::{Sample, Tile};
 use crate::math::{PathSampler, Vec2};
 use std::ops::Range;
 
-/// Samples of the image that are taken by one and the same state of knowledge: field, mixture fractions,
-/// shares of the pixels.
+/// Samples of the image that are taken by one and the same state of knowledge: field, mixture
+/// fractions, shares of the pixels.
 ///
-/// Earlier iterations decided on that state, so each iteration has random numbers that are independent of
-/// theirs: in every pixel a Sobol sequence of its own. Given all before it, an iteration is then an
-/// unbiased estimate of every pixel, and counts for a number of samples that was fixed before it began.
-/// So the sum over the iterations is unbiased, too. tests/unbiased.rs guards that.
+/// Earlier iterations decided on that state, so each iteration has random numbers that are
+/// independent of theirs: in every pixel a Sobol sequence of its own. Given all before it, an
+/// iteration is then an unbiased estimate of every pixel, and counts for a number of samples that
+/// was fixed before it began. So the sum over the iterations is unbiased, too. tests/unbiased.rs
+/// guards that.
 #[derive(Clone, Debug, Default)]
 pub struct Iteration {
     /// Its first sample of the image.
@@ -30,7 +31,8 @@ impl Iteration {
         Self { from, shares }
     }
 
-    /// Paths that pixel `i` of a tile has taken before sample `sample`, which is not before the iteration.
+    /// Paths that pixel `i` of a tile has taken before sample `sample`, which is not before the
+    /// iteration.
     pub fn taken(&self, tile: usize, i: usize, sample: u64) -> u64 {
         match &self.shares {
             Some(shares) => shares[tile].of(i).taken(sample - self.from),
@@ -38,7 +40,8 @@ impl Iteration {
         }
     }
 
-    /// The first path of pixel `i` of a tile for sample `sample`, or the next one where that has none.
+    /// The first path of pixel `i` of a tile for sample `sample`, or the next one where that has
+    /// none.
     pub fn path(&self, tile: usize, i: usize, sample: u64) -> PathNumber {
         PathNumber {
             begin: self.taken(tile, i, self.from),

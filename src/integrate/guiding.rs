@@ -1,7 +1,7 @@
 //! Guided directions: the field's distribution at a vertex, mixed with the BSDF's.
 //!
-//! A direction is drawn from the field with probability `a` and from the BSDF otherwise; whichever drew
-//! it, its density is the mixture `a p_field + (1 - a) p_bsdf` (one-sample multiple importance
+//! A direction is drawn from the field with probability `a` and from the BSDF otherwise; whichever
+//! drew it, its density is the mixture `a p_field + (1 - a) p_bsdf` (one-sample multiple importance
 //! sampling with the balance heuristic). Next-event estimation is joined to that mixture. The field
 //! shapes densities only: whatever it says, the expected image is the same.
 
@@ -95,9 +95,10 @@ pub fn is_guidable(bsdf: &Bsdf) -> bool {
     bsdf.flags().has(LobeFlags::SMOOTH) && bsdf.roughness() >= MIN_ROUGHNESS
 }
 
-/// Whether what a surface reflects by these lobes follows from the irradiance. A floor of roughness 0.1 mirrors a bright gap
-/// of a door to some eyes; paths that came from there were ended nine times in ten (relative variance of a
-/// sample in veach-ajar 7.0, now 6.0). Guarded by `irradiance_speaks_for_matt_surfaces_alone`.
+/// Whether what a surface reflects by these lobes follows from the irradiance. A floor of roughness
+/// 0.1 mirrors a bright gap of a door to some eyes; paths that came from there were ended nine
+/// times in ten (relative variance of a sample in veach-ajar 7.0, now 6.0). Guarded by
+/// `irradiance_speaks_for_matt_surfaces_alone`.
 #[inline]
 pub(super) fn is_matt(bsdf: &Bsdf, lobes: Rest) -> bool {
     bsdf.roughness() >= MATT && (lobes != Rest::ALL || !bsdf.flags().has(LobeFlags::DELTA))
@@ -188,7 +189,8 @@ impl Guide {
         self.manifold = aiming.filter(|_| chance > 0.0);
     }
 
-    /// The field at a vertex, the irradiance there and the chances of what to do; nothing without light.
+    /// The field at a vertex, the irradiance there and the chances of what to do; nothing without
+    /// light.
     #[inline]
     fn ask(
         &self,
@@ -212,7 +214,8 @@ impl Guide {
 }
 
 impl GuidedVertex<'_> {
-    /// The same for these of the material's lobes: all, or all but a delta lobe that is followed beside them.
+    /// The same for these of the material's lobes: all, or all but a delta lobe that is followed
+    /// beside them.
     #[inline]
     pub fn among(self, lobes: Rest, bsdf: &Bsdf) -> Self {
         let reflected = || bsdf.albedo() * self.irradiance * FRAC_1_PI;
@@ -223,8 +226,8 @@ impl GuidedVertex<'_> {
         }
     }
 
-    /// Radiance that the surface is expected to reflect: what roulette goes by. None where some lobe is
-    /// narrow: the field's mean over directions says nothing about what shines in it.
+    /// Radiance that the surface is expected to reflect: what roulette goes by. None where some
+    /// lobe is narrow: the field's mean over directions says nothing about what shines in it.
     #[inline]
     pub fn reflected(&self) -> Option<Rgb> {
         self.reflected

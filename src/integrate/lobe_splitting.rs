@@ -1,11 +1,12 @@
 //! Ways by lobe: a delta lobe and all others are both followed.
 //!
-//! A path that a field aimed at the sun's image in a varnished table comes with a low throughput, as it should:
-//! the density was high. But varnish reflects a twentieth. Chosen by lot, it is met one time in twenty, by a
-//! path that is then twenty times as bright as the field meant it to be. So an aimed path has several *lots*:
-//! each lobe gets its share of them and is followed if that is one or more; a smaller share is drawn for. A way
-//! takes its lots along, so that reflections of reflections do not multiply: from one aiming to the next there
-//! are on average at most as many ways as there were lots. A path that comes from the camera has a few, too.
+//! A path that a field aimed at the sun's image in a varnished table comes with a low throughput,
+//! as it should: the density was high. But varnish reflects a twentieth. Chosen by lot, it is met
+//! one time in twenty, by a path that is then twenty times as bright as the field meant it to be.
+//! So an aimed path has several *lots*: each lobe gets its share of them and is followed if that is
+//! one or more; a smaller share is drawn for. A way takes its lots along, so that reflections of
+//! reflections do not multiply: from one aiming to the next there are on average at most as many
+//! ways as there were lots. A path that comes from the camera has a few, too.
 
 use super::guided_path::GuidedPath;
 use super::path::Arrival;
@@ -18,20 +19,21 @@ use crate::math::{Rgb, Vec3};
 
 /// Lots of a path that a field has aimed.
 ///
-/// Relative variance of a sample, 64 samples, without the worst 0.1 % of the pixels and with them, for 1, 4, 8, 16
-/// and 32 lots: a glass caustic 4.5, 2.7, 2.2, 1.9, 1.8 and 18, 8.6, 4.7, 6.4, 5.3 with 6.6 to 9.7 rays a path;
-/// a kitchen 11.7, 8.7, 8.7, 8.5, 8.4 with 6.0 to 7.3 rays; lux-pool 35, 69, 50, 38, 34 and 384, 131, 74, 59, 51;
-/// a torus in glass 6.4, 10, 8.0, 7.2, 5.9 and 91, 82, 74, 69, 48: there a single lot hides its variance in few
-/// pixels.
+/// Relative variance of a sample, 64 samples, without the worst 0.1 % of the pixels and with them,
+/// for 1, 4, 8, 16 and 32 lots: a glass caustic 4.5, 2.7, 2.2, 1.9, 1.8 and 18, 8.6, 4.7, 6.4, 5.3
+/// with 6.6 to 9.7 rays a path; a kitchen 11.7, 8.7, 8.7, 8.5, 8.4 with 6.0 to 7.3 rays; lux-pool
+/// 35, 69, 50, 38, 34 and 384, 131, 74, 59, 51; a torus in glass 6.4, 10, 8.0, 7.2, 5.9 and 91, 82,
+/// 74, 69, 48: there a single lot hides its variance in few pixels.
 pub const GUIDED: f32 = 32.0;
 
-/// Lots of a path from the camera to where a field first aims it, if one will: water that reflects a thirtieth shows the
-/// sun in one sample of thirty, thirty times as bright.
+/// Lots of a path from the camera to where a field first aims it, if one will: water that reflects
+/// a thirtieth shows the sun in one sample of thirty, thirty times as bright.
 ///
-/// Sum of the relative squared errors of 64 samples, in percent of that with a single lot, for 4, 8 and 16 lots, and the
-/// same without the worst 0.1 % of the pixels: a pool under a small sun 83, 77, 71 and 90, 90, 86; a torus in glass 46,
-/// 35, 51 and 96, 93, 98; a kitchen 36, 27, 32 and 96, 98, 98; lux-pool 90, 91, 90 and 91, 90, 88; veach-ajar
-/// the same. The time: 1.00 to 1.22 of that with a single lot for 4, 1.00 to 1.3 for 16.
+/// Sum of the relative squared errors of 64 samples, in percent of that with a single lot, for 4, 8
+/// and 16 lots, and the same without the worst 0.1 % of the pixels: a pool under a small sun 83,
+/// 77, 71 and 90, 90, 86; a torus in glass 46, 35, 51 and 96, 93, 98; a kitchen 36, 27, 32 and 96,
+/// 98, 98; lux-pool 90, 91, 90 and 91, 90, 88; veach-ajar the same. The time: 1.00 to 1.22 of that
+/// with a single lot for 4, 1.00 to 1.3 for 16.
 pub const FROM_CAMERA: f32 = 4.0;
 
 /// A lobe's chance to be followed, and the lots of the way that does.
@@ -56,8 +58,8 @@ impl Share {
         }
     }
 
-    /// Makes a path that of the lobe. Roulette, which goes by the throughput since the field aimed the path
-    /// last, is not to undo what the lots did.
+    /// Makes a path that of the lobe. Roulette, which goes by the throughput since the field aimed
+    /// the path last, is not to undo what the lots did.
     #[inline]
     fn take(&self, path: &mut GuidedPath) {
         let factor = self.probability / self.chance;
@@ -67,8 +69,8 @@ impl Share {
     }
 }
 
-/// The delta lobe and the rest, where both are to be considered: at vertices that a field guides, and at those
-/// between mirrors and glass that an aimed path meets.
+/// The delta lobe and the rest, where both are to be considered: at vertices that a field guides,
+/// and at those between mirrors and glass that an aimed path meets.
 #[inline]
 pub fn delta_and_rest(path: &GuidedPath, guided: bool, bsdf: &Bsdf, wo: Vec3) -> Option<Apart> {
     let unknown = !guided && bsdf.flags().has(LobeFlags::SMOOTH);
@@ -86,14 +88,14 @@ pub enum Remainder {
     Smooth(f32),
 }
 
-/// Lets a path `go` on by a delta lobe, if the number `u` in `[0, 1)` draws that; `go` is given a number for roulette.
-/// The rest is left to the path, with an account of its own if both are followed. Where a field guides the rest it
-/// always is.
+/// Lets a path `go` on by a delta lobe, if the number `u` in `[0, 1)` draws that; `go` is given a
+/// number for roulette. The rest is left to the path, with an accumulator of its own if both are
+/// followed. Where a field guides the rest it always is.
 ///
-/// The lobes and roulette share one number of the vertex's: with one block of four more for the lobes, later
-/// vertices had the worse dimensions of a Sobol sequence (L1 of a pool under a small sun, mixtures and 64 samples: 0.064
-/// instead of 0.047), and with a number beside the path's own, glints were not stratified (its RMSE 0.34
-/// instead of 0.15).
+/// The lobes and roulette share one number of the vertex's: with one block of four more for the
+/// lobes, later vertices had the worse dimensions of a Sobol sequence (L1 of a pool under a small
+/// sun, mixtures and 64 samples: 0.064 instead of 0.047), and with a number beside the path's own,
+/// glints were not stratified (its RMSE 0.34 instead of 0.15).
 pub fn split(
     split_delta: &Apart,
     guided: bool,
@@ -146,8 +148,8 @@ mod tests {
         GuidedPath::new(Path::new(&camera, sampler, 0), split_budget)
     }
 
-    /// Whatever the lots, a lobe's expected throughput is that of choosing one of the two, and the ways are no
-    /// more than the lots.
+    /// Whatever the lots, a lobe's expected throughput is that of choosing one of the two, and the
+    /// ways are no more than the lots.
     #[test]
     fn shares_keep_the_mean_and_do_not_multiply() {
         for lots in [1.0, 3.0, 8.0, 32.0] {
@@ -168,7 +170,8 @@ mod tests {
         }
     }
 
-    /// Whatever follows a lobe, the number it goes on with is any number: none is drawn more often than others.
+    /// Whatever follows a lobe, the number it goes on with is any number: none is drawn more often
+    /// than others.
     #[test]
     fn roulette_has_an_even_number_whatever_lobe_was_drawn() {
         const NUMBERS: u32 = 4000;

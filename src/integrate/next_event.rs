@@ -87,7 +87,8 @@ pub(super) fn sample_light(
             .map_or(bsdf_pdf, |g| g.pdf(light.dir, bsdf_pdf));
         power_heuristic(light_pdf, pdf)
     };
-    // Large BSDFs (narrow lobes) meet small weights before bright lights: the other order overflows (S8).
+    // Large BSDFs (narrow lobes) meet small weights before bright lights: the other order overflows
+    // (S8).
     let offer = Offer {
         factor: path.throughput * (f * (weight / light_pdf)),
         incoming: light.incoming,
@@ -103,9 +104,9 @@ pub(super) fn sample_light(
 
 /// A ray that ends just before a place on a light.
 ///
-/// It runs through that place, not along the direction in which the light was sampled: beside that, by the
-/// offset of its origin, it meets a light that it grazes earlier than its margin allows (a lamp that
-/// touches the ceiling lost 3 % of its light around the touch).
+/// It runs through that place, not along the direction in which the light was sampled: beside that,
+/// by the offset of its origin, it meets a light that it grazes earlier than its margin allows (a
+/// lamp that touches the ceiling lost 3 % of its light around the touch).
 #[inline]
 pub(super) fn shadow_ray(org: Vec3, light: Vec3) -> Ray {
     let to = light - org;

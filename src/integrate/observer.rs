@@ -22,7 +22,8 @@ pub trait PathObserver {
     fn depart(&mut self, accumulator: u32, departure: Departure) {
         let _ = (accumulator, departure);
     }
-    /// The light sample of the vertex that the path has just left was not blocked and brought `radiance`.
+    /// The light sample of the vertex that the path has just left was not blocked and brought
+    /// `radiance`.
     #[inline]
     fn lit(&mut self, accumulator: u32, radiance: Rgb) {
         let _ = (accumulator, radiance);
@@ -45,7 +46,8 @@ pub struct Departure {
     pub normal: Vec3,
     /// How it came.
     pub arrival: Arrival,
-    /// The chance with which a light was sampled; `None` if no field was asked or the path was split.
+    /// The chance with which a light was sampled; `None` if no field was asked or the path was
+    /// split.
     pub light_chance: Option<f32>,
     /// Where it went; `None` if it ended here, by roulette or for want of a direction.
     pub direction: Option<SampledDirection>,

@@ -77,11 +77,11 @@ pub trait Observer: Sync {
     fn path_is_long(&self, edges: u32) {
         let _ = edges;
     }
-    /// Paths without an end in sight were given up, for the render is to end: their samples, and those that were
-    /// traced with them, are left out.
+    /// Paths without an end in sight were given up, for the render is to end: their samples, and
+    /// those that were traced with them, are left out.
     fn gave_up(&self) {}
-    /// Time that [`Observer::pass_done`] has kept the render waiting for matters of its own: it does not
-    /// count as rendering.
+    /// Time that [`Observer::pass_done`] has kept the render waiting for matters of its own: it
+    /// does not count as rendering.
     fn time_aside(&self) -> Duration {
         Duration::ZERO
     }

@@ -12,13 +12,14 @@ pub fn render(view: &View, film: &mut Film, limits: &Limits, observer: &dyn Obse
     resume(view, None, film, limits, Spent::default(), observer)
 }
 
-/// Renders on from where `film` is, at a cost of `before` so far, until a limit is reached. Tiles may be
-/// at different samples: each goes on at its own. Sums grow in sample order, so that the film becomes
-/// what it would have become without the interruption.
+/// Renders on from where `film` is, at a cost of `before` so far, until a limit is reached. Tiles
+/// may be at different samples: each goes on at its own. Sums grow in sample order, so that the
+/// film becomes what it would have become without the interruption.
 ///
-/// With a `learner`, the first passes teach it and are guided by it, whatever guide the view has. What it
-/// learns must not depend on which tiles the film holds, nor on where it was interrupted: these passes are
-/// traced from the first on and over the whole film, and fill what is missing in the tiles held.
+/// With a `learner`, the first passes teach it and are guided by it, whatever guide the view has.
+/// What it learns must not depend on which tiles the film holds, nor on where it was interrupted:
+/// these passes are traced from the first on and over the whole film, and fill what is missing in
+/// the tiles held.
 pub fn resume(
     view: &View,
     mut learner: Option<&mut Learner>,

@@ -6,18 +6,21 @@ use crate::scene::description::SamplerKind;
 /// How paths are traced.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathSettings {
-    /// Most edges of a path seen from the camera: 1 is emission alone, 2 adds direct light. `u32::MAX` is unlimited.
+    /// Most edges of a path seen from the camera: 1 is emission alone, 2 adds direct light.
+    /// `u32::MAX` is unlimited.
     pub max_depth: u32,
     /// Russian roulette starts at this depth.
     pub rr_depth: u32,
     /// What roulette goes by where a field guides.
     pub roulette: Roulette,
-    /// How many paths share what they find behind their first rough vertices, where a field guides (see
-    /// [`reuse`]); 1: none do.
+    /// How many paths share what they find behind their first rough vertices, where a field guides
+    /// (see [`reuse`]); 1: none do.
     pub reuse: u32,
-    /// Where a field guides, paths aim at suns and lamps behind mirrors and glass, too (see [`chain`]), if that pays.
+    /// Where a field guides, paths aim at suns and lamps behind mirrors and glass, too (see
+    /// [`chain`]), if that pays.
     pub aim: bool,
-    /// Where a field is learned from the image's first samples, the later ones are spread by noise (see [`adaptive`]).
+    /// Where a field is learned from the image's first samples, the later ones are spread by noise
+    /// (see [`adaptive`]).
     pub adaptive: bool,
     /// The camera itself does not see emitters.
     pub hide_emitters: bool,

@@ -1,41 +1,42 @@
 //! Ways that split off paths.
 //!
-//! Where a path is worth more than its sample was expected to come to, it is split: it goes on in several
-//! directions, each of which carries its share of the throughput (see [`super::roulette`]). Every way has an
-//! account of its own among a wave's outcomes, so that what came along it can be told from what came along
-//! its siblings: that is what lessons are made of. At the end all accounts are paid into those of the paths
-//! that they split off from.
+//! Where a path is worth more than its sample was expected to come to, it is split: it goes on in
+//! several directions, each of which carries its share of the throughput (see [`super::roulette`]).
+//! Every way has an accumulator of its own among a wave's outcomes, so that what came along it can
+//! be told from what came along its siblings: that is what training samples are made of. At the end
+//! all accumulators are paid into those of the paths that they split off from.
 
 use super::guided_path::GuidedPath;
 use super::path::{Arrival, Outcome};
 use crate::accel::Ray;
 use crate::math::Rgb;
 
-/// The accounts of a wave beyond its samples, and the ways that wait for the next bounce.
+/// The accumulators of a wave beyond its samples, and the ways that wait for the next bounce.
 #[derive(Default)]
 pub struct SplitPaths {
     samples: u32,
-    /// For each further account, which one it belongs to: an earlier one, or itself if it is detached.
+    /// For each further accumulator, which one it belongs to: an earlier one, or itself if it is
+    /// detached.
     parents: Vec<u32>,
     waiting: Vec<(GuidedPath, Ray)>,
 }
 
 impl SplitPaths {
-    /// Forgets all ways. The accounts of `samples` samples come first.
+    /// Forgets all ways. The accumulators of `samples` samples come first.
     pub fn start(&mut self, samples: usize) {
         self.samples = samples as u32;
         self.parents.clear();
         self.waiting.clear();
     }
 
-    /// A new account for a way that splits off a path whose account is `parent`.
+    /// A new account for a way that splits off a path whose accumulator is `parent`.
     #[inline]
     pub fn open(&mut self, parent: u32) -> u32 {
         self.parents.push(parent);
         self.samples + self.parents.len() as u32 - 1
     }
 
-    /// The sample that an account belongs to in the end, which must not be detached.
+    /// The sample that an accumulator belongs to in the end, which must not be detached.
     #[inline]
     pub fn sample_of(&self, mut account: u32) -> u32 {
         while account >= self.samples {
@@ -44,19 +45,19 @@ impl SplitPaths {
         account
     }
 
-    /// An account that [`SplitPaths::reduce`] is not to add to the one that it belongs to.
+    /// An accumulator that [`SplitPaths::reduce`] is not to add to the one that it belongs to.
     #[inline]
     pub fn detach(&mut self, account: u32) {
         self.parents[(account - self.samples) as usize] = account;
     }
 
-    /// How many accounts there are, the samples' included.
+    /// How many accumulators there are, the samples' included.
     #[inline]
     pub fn accumulators(&self) -> usize {
         self.samples as usize + self.parents.len()
     }
 
-    /// A way that splits off a path, with an account of its own and numbers of its own.
+    /// A way that splits off a path, with an accumulator of its own and numbers of its own.
     #[inline]
     pub fn branch(&mut self, path: &GuidedPath, way: u32) -> GuidedPath {
         let mut branch = *path;
@@ -65,8 +66,8 @@ impl SplitPaths {
         branch
     }
 
-    /// Lets a path `go` on in several ways, each with its share of the throughput. The path itself takes the
-    /// first, with an account of its own like the others.
+    /// Lets a path `go` on in several ways, each with its share of the throughput. The path itself
+    /// takes the first, with an accumulator of its own like the others.
     pub fn split(
         &mut self,
         ways: u32,
@@ -101,8 +102,8 @@ impl SplitPaths {
         self.waiting.drain(..)
     }
 
-    /// Adds every account to the one that it belongs to, the last first: an account is complete before it is
-    /// passed on.
+    /// Adds every accumulator to the one that it belongs to, the last first: an accumulator is
+    /// complete before it is passed on.
     pub fn reduce(&self, outcomes: &mut [Outcome]) {
         for (i, &parent) in self.parents.iter().enumerate().rev() {
             let account = self.samples as usize + i;

@@ -14,8 +14,8 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Samples that travel together: enough to fill the ray tracer's packets after most paths have ended,
-/// few enough for a core's second-level cache.
+/// Samples that travel together: enough to fill the ray tracer's packets after most paths have
+/// ended, few enough for a core's second-level cache.
 const WAVE_SAMPLES: u64 = 4096;
 /// Edges of a path that say that it may have no end.
 const VERY_LONG: u32 = 10_000;
@@ -97,8 +97,8 @@ impl<'a> Job<'a> {
         }
     }
 
-    /// Takes the samples of every pixel up to `end`. `false` if the observer stopped or paused it before
-    /// all tiles were there.
+    /// Takes the samples of every pixel up to `end`. `false` if the observer stopped or paused it
+    /// before all tiles were there.
     pub(super) fn pass(&self, film: &mut Film, end: u64) -> bool {
         film.tiles_mut()
             .par_iter_mut()
@@ -119,11 +119,11 @@ impl<'a> Job<'a> {
         film.held().all(|t| t.done >= end)
     }
 
-    /// Takes samples of a tile's pixels, a wave at a time, and adds those that the tile lacks,
-    /// if the film holds it. All paths of a pixel's share of a wave stand next to each other: their
-    /// camera rays make coherent packets. `conclude` sees every wave's outcomes after `observer` has
-    /// watched it. Returns the number of the sample that would come next: the end of the part, unless a wave was
-    /// given up.
+    /// Takes samples of a tile's pixels, a wave at a time, and adds those that the tile lacks, if
+    /// the film holds it. All paths of a pixel's share of a wave stand next to each other: their
+    /// camera rays make coherent packets. `conclude` sees every wave's outcomes after `observer`
+    /// has watched it. Returns the number of the sample that would come next: the end of the part,
+    /// unless a wave was given up.
     pub(super) fn take_samples<W: PathObserver>(
         &self,
         context: &PathContext,

@@ -18,17 +18,18 @@ use crate::camera::CameraRay;
 use crate::math::{PathSampler, Rgb};
 use crate::scene::Scene;
 
-/// Vertices whose data is brought into the cache at a time: a few times as many as a processor waits for at
-/// once, few enough for the smallest cache.
+/// Vertices whose data is brought into the cache at a time: a few times as many as a processor
+/// waits for at once, few enough for the smallest cache.
 const AHEAD: usize = 32;
 
-/// Edges after which a wave may be given up, and from there on every so many: roulette and dark surfaces have
-/// ended any other path by then (of a path between walls that reflect 0.99, 3e-5 would be left).
+/// Edges after which a wave may be given up, and from there on every so many: roulette and dark
+/// surfaces have ended any other path by then (of a path between walls that reflect 0.99, 3e-5
+/// would be left).
 pub const LONG: u32 = 1024;
 const BETWEEN_LOOKS: u32 = 64;
 
-/// What a wave's samples came to. Behind the samples, in order, stand the ways that split off, which the
-/// samples' outcomes include.
+/// What a wave's samples came to. Behind the samples, in order, stand the ways that split off,
+/// which the samples' outcomes include.
 #[derive(Clone, Copy, Debug)]
 pub struct Outcomes<'w> {
     /// By themselves.
@@ -76,19 +77,22 @@ impl Wave {
         self.outcomes.push(Outcome::default());
     }
 
-    /// Traces all samples to their ends, watched by `observer` (`&mut ()` for nobody). The samples' outcomes
-    /// come first, in order; behind them those of ways that split off, which the samples' include.
+    /// Traces all samples to their ends, watched by `observer` (`&mut ()` for nobody). The samples'
+    /// outcomes come first, in order; behind them those of ways that split off, which the samples'
+    /// include.
     pub fn trace(&mut self, context: &PathContext, observer: &mut impl PathObserver) -> &[Outcome] {
         self.run(context, observer, &mut PrefixPool::new(1, 0), &|_| false);
         self.split_paths.reduce(&mut self.outcomes);
         &self.outcomes
     }
 
-    /// The same for samples of the image, which may share what they find (see [`super::reuse`]). `own` is
-    /// what they came to by themselves, `image` what they are worth to the image; `origins` tells where each comes from.
+    /// The same for samples of the image, which may share what they find (see [`super::reuse`]).
+    /// `own` is what they came to by themselves, `image` what they are worth to the image;
+    /// `origins` tells where each comes from.
     ///
-    /// Where paths go on after [`LONG`] edges, `gives_up` is asked now and then, with the number of edges so far. When
-    /// it says so there is no outcome: without the long paths the rest would be biased.
+    /// Where paths go on after [`LONG`] edges, `gives_up` is asked now and then, with the number of
+    /// edges so far. When it says so there is no outcome: without the long paths the rest would be
+    /// biased.
     pub fn trace_image(
         &mut self,
         context: &PathContext,

@@ -2,8 +2,9 @@
 
 use std::ops::Range;
 
-/// Samples of the image in a block: a pixel takes a whole number of paths for each block. (With one path in 4, one in 2
-/// or a whole number for each sample instead, rounding took most of what spreading gains.)
+/// Samples of the image in a block: a pixel takes a whole number of paths for each block. (With one
+/// path in 4, one in 2 or a whole number for each sample instead, rounding took most of what
+/// spreading gains.)
 pub const BLOCK: u8 = 8;
 /// Paths of a pixel for a sample of the image, at least and at most.
 pub const RANGE: [f32; 2] = [0.25, 16.0];
@@ -35,8 +36,9 @@ impl Share {
         phase: 0,
     };
 
-    /// About `share` paths a sample after `before` others. Of two uniform numbers, one decides whether that is rounded up
-    /// or down, so that the mean over many pixels is right, the other which samples rare paths belong to.
+    /// About `share` paths a sample after `before` others. Of two uniform numbers, one decides
+    /// whether that is rounded up or down, so that the mean over many pixels is right, the other
+    /// which samples rare paths belong to.
     pub fn new(share: f32, before: u32, u: [f32; 2]) -> Self {
         let block = f32::from(BLOCK);
         let many = share.clamp(RANGE[0], RANGE[1]) * block;

@@ -7,7 +7,8 @@ use crate::math::Rgb;
 use crate::math::rng::{hash_all, unit_f32};
 use crate::math::smooth::smooth;
 
-/// This much of the paths is spread evenly: a pixel that looks calm may not have met its brightest paths yet.
+/// This much of the paths is spread evenly: a pixel that looks calm may not have met its brightest
+/// paths yet.
 const EVEN: f32 = 0.2;
 /// A pixel's variance is smoothed with those of its neighbours, by these weights on each axis.
 const SMOOTH: [f32; 5] = [1.0, 2.0, 3.0, 2.0, 1.0];
@@ -69,8 +70,8 @@ impl TileSurvey {
 }
 
 impl Sums {
-    /// Relative variance of a sample: no more than the number of samples it is told by, so that a single bright one says
-    /// no more than that it is the only one.
+    /// Relative variance of a sample: no more than the number of samples it is told by, so that a
+    /// single bright one says no more than that it is the only one.
     fn variance(&self) -> f32 {
         if self.worth <= 1.0 {
             return 0.0;
@@ -82,7 +83,8 @@ impl Sums {
 }
 
 impl Survey {
-    /// One of a film, without samples; `seed` is that of the random numbers by which shares are rounded.
+    /// One of a film, without samples; `seed` is that of the random numbers by which shares are
+    /// rounded.
     pub fn new(film: &Film, seed: u64) -> Self {
         let tile = |area| TileSurvey {
             pixels: vec![Sums::default(); area],
@@ -96,7 +98,8 @@ impl Survey {
         }
     }
 
-    /// The shares for the samples from number `from` on, which come after those of the iteration `before`.
+    /// The shares for the samples from number `from` on, which come after those of the iteration
+    /// `before`.
     pub fn shares(&self, film: &Film, from: u64, before: &Iteration) -> Shares {
         let shares = relative(&smooth(&self.worthwhile(film), self.size, &SMOOTH));
         let of_tile = |(number, tile): (usize, &Tile)| {

@@ -8,8 +8,8 @@ use crate::math::rng::{hash64, unit_f32};
 use crate::math::{Rgb, Vec2};
 use rayon::prelude::*;
 
-/// A picture of the first surfaces, each cell of the field in a colour of its own, shaded by the cosine;
-/// and how many cells are in it. Black where nothing is seen.
+/// A picture of the first surfaces, each cell of the field in a colour of its own, shaded by the
+/// cosine; and how many cells are in it. Black where nothing is seen.
 pub fn seen(view: &View, field: &Field) -> (Vec<Rgb>, usize) {
     let (width, height) = (view.film.width, view.film.height);
     let cells: Vec<Option<(u32, f32)>> = (0..width * height)

@@ -1,7 +1,8 @@
 //! One sample of one pixel, vertex by vertex: for finding out where a bad sample went bad.
 //!
-//! The path takes the same numbers and the same steps as in a render, so its radiance has the same bits. With
-//! [`super::reuse`] the image has another value: a share of this path and of others.
+//! The path takes the same numbers and the same steps as in a render, so its radiance has the same
+//! bits. With [`crate::integrate::reuse`] the image has another value: a share of this path and of
+//! others.
 
 use crate::accel::{Hit, Ray};
 use crate::film::Film;
@@ -45,13 +46,14 @@ pub struct Step {
     pub hit: Hit,
     /// Product of BSDF weights with which the path arrived.
     pub throughput: Rgb,
-    /// Density with which the ray's direction was drawn; infinite at the camera and after a delta lobe.
+    /// Density with which the ray's direction was drawn; infinite at the camera and after a delta
+    /// lobe.
     pub pdf: f32,
     /// Radiance that the sample gained by what the ray met: emission of the surface or of the sky.
     pub met: Rgb,
     /// Radiance by the light sample that was drawn there.
     pub light: Option<LightBrought>,
-    /// Radiance by aiming at a sun from there (see [`super::chain`]).
+    /// Radiance by manifold next-event estimation from there.
     pub aimed: Rgb,
 }
 
@@ -151,9 +153,9 @@ impl Observer for Before {
     }
 }
 
-/// Teaches `learner` what it knows in a render of `spp` samples a pixel when sample number `sample` is
-/// taken, and tells which path of `pixel` that is: the first, where it has several for that sample, or the
-/// next. (A render that a limit of time told to learn no longer knows less.)
+/// Teaches `learner` what it knows in a render of `spp` samples a pixel when sample number `sample`
+/// is taken, and tells which path of `pixel` that is: the first, where it has several for that
+/// sample, or the next. (A render that a limit of time told to learn no longer knows less.)
 pub fn train_until(
     view: &View,
     learner: &mut Learner,

@@ -1,8 +1,8 @@
 //! What light arrives at one point: the learned field beside brute force.
 //!
 //! Both are lat-long images over directions (world space; x of the image is the angle around the
-//! scene's z axis from -pi to pi, y the angle from +z down to -z), so that they can be compared cell
-//! by cell.
+//! scene's z axis from -pi to pi, y the angle from +z down to -z), so that they can be compared
+//! cell by cell.
 
 use crate::accel::{Hit, Ray};
 use crate::camera::{Camera, CameraRay};

@@ -19,23 +19,27 @@ use crate::scene::Scene;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Photons of a light that look where glass and mirrors are, each time, at most; and a share of all that go there.
+/// Photons of a light that look where glass and mirrors are, each time, at most; and a share of all
+/// that go there.
 const SCOUTS: u64 = 1 << 16;
 const SHARE_OF_SCOUTS: u64 = 4;
 /// Times that they look, each time closer, unless so many have found something.
 const LOOKS: u32 = 3;
 /// So many.
 const ENOUGH: usize = 1024;
-/// Photons that then go there, of all lights together, where nobody knows how many samples they are for.
+/// Photons that then go there, of all lights together, where nobody knows how many samples they are
+/// for.
 const PHOTONS: u64 = 1 << 18;
-/// One for so many samples of the image. What no photon has found is met by paths alone, as a speck. (A torus in glass, relative
-/// variance without the worst 0.1 % of the pixels, of 3.7 million samples with one photon for 8, 16, 32 and 64 of them: 0.0053,
-/// 0.0053, 0.0061, 0.0069; of 14.7 million with one for 8 and 32: 0.0026, 0.0026, in 1.16 times the time; with regions
-/// of 256 photons.)
+/// One for so many samples of the image. What no photon has found is met by paths alone, as a
+/// speck. (A torus in glass, relative variance without the worst 0.1 % of the pixels, of 3.7
+/// million samples with one photon for 8, 16, 32 and 64 of them: 0.0053, 0.0053, 0.0061, 0.0069; of
+/// 14.7 million with one for 8 and 32: 0.0026, 0.0026, in 1.16 times the time; with regions of 256
+/// photons.)
 const SAMPLES_A_PHOTON: u64 = 16;
 /// So many for a second, where the time is limited: less than a twentieth of it.
 const PHOTONS_A_SECOND: f64 = 8192.0;
-/// No fewer, and no more: they are all held until the seeds are chosen, a hundred bytes each and twice for a moment.
+/// No fewer, and no more: they are all held until the seeds are chosen, a hundred bytes each and
+/// twice for a moment.
 const LEAST_AND_MOST: (u64, u64) = (1 << 15, 1 << 19);
 /// Lights that are aimed at: their numbers have 16 bits.
 const MOST_BEACONS: usize = 1 << 16;

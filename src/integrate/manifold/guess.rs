@@ -1,16 +1,17 @@
 //! A beginning of a chain: where the light's image is seen, and how that turns as one moves.
 //!
-//! What is seen in a mirror or through a pane has a place of its own, behind the mirror, under the water, or in front of
-//! who looks; in a rounded edge two places, one for moves along the edge and one for moves across. All of that is the
-//! curvature of the wavefront that comes in (Born and Wolf, "Principles of Optics", 3.1 and 4.6: the directions of rays
-//! are the gradient of one function, so that their derivative is symmetric).
+//! What is seen in a mirror or through a pane has a place of its own, behind the mirror, under the
+//! water, or in front of who looks; in a rounded edge two places, one for moves along the edge and
+//! one for moves across. All of that is the curvature of the wavefront that comes in (Born and
+//! Wolf, "Principles of Optics", 3.1 and 4.6: the directions of rays are the gradient of one
+//! function, so that their derivative is symmetric).
 
 use super::follow::SpecularChain;
 use crate::math::{Frame, Vec3};
 use half::bf16;
 
-/// A beginning of a chain: a light's image in a mirror or behind a pane, and how it comes about. There are tens of thousands, and
-/// a vertex looks at dozens: they are kept small.
+/// A beginning of a chain: a light's image in a mirror or behind a pane, and how it comes about.
+/// There are tens of thousands, and a vertex looks at dozens: they are kept small.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Guess {
     /// The direction in which it is seen from the origin of the scene, not a unit vector.
@@ -24,11 +25,13 @@ pub struct Guess {
     weight: bf16,
 }
 
-/// A symmetric matrix: by how much a direction turns against a move. An image at a distance of r in all directions has 1/r
-/// along all axes, and that of a sun under calm water none at all; what gathers light in front of the place has a negative one.
+/// A symmetric matrix: by how much a direction turns against a move. An image at a distance of r in
+/// all directions has 1/r along all axes, and that of a sun under calm water none at all; what
+/// gathers light in front of the place has a negative one.
 ///
-/// Eight bits of a number are enough, at any scale: from one end of a region to the other an image turns by a tenth of a radian
-/// or so, and the error is a fifth of a percent of that, far less than the sun's radius.
+/// Eight bits of a number are enough, at any scale: from one end of a region to the other an image
+/// turns by a tenth of a radian or so, and the error is a fifth of a percent of that, far less than
+/// the sun's radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Curvature {
     diagonal: [bf16; 3],
@@ -47,8 +50,9 @@ impl Curvature {
         Self::new(Vec3::splat(nearness), Vec3::ZERO)
     }
 
-    /// Across the direction `frame.n`, with `[ss, st, tt]` along the axes of the frame. Along the direction, where a move
-    /// changes nothing but the distance, it is that of a point as far away as the image is on average.
+    /// Across the direction `frame.n`, with `[ss, st, tt]` along the axes of the frame. Along the
+    /// direction, where a move changes nothing but the distance, it is that of a point as far away
+    /// as the image is on average.
     fn across(frame: &Frame, [ss, st, tt]: [f32; 3]) -> Self {
         let Frame { s, t, n } = *frame;
         let mean = 0.5 * (ss + tt);
@@ -83,8 +87,8 @@ impl Curvature {
 }
 
 impl Guess {
-    /// What a photon tells that comes to `place` from the unit direction `dir` and from a mirror or pane at `point`: as if
-    /// the image were there.
+    /// What a photon tells that comes to `place` from the unit direction `dir` and from a mirror or
+    /// pane at `point`: as if the image were there.
     pub fn new(place: Vec3, dir: Vec3, point: Vec3, chain: SpecularChain, beacon: u16) -> Self {
         let curvature = Curvature::of_point(place.distance(point).recip());
         Self {
@@ -114,8 +118,8 @@ impl Guess {
         self.towards - self.curvature.times(place)
     }
 
-    /// The same with the image seen from `place` along `frame.n`, and a wavefront that is curved by `[ss, st, tt]` along the
-    /// frame's other axes; `None` if that is no number.
+    /// The same with the image seen from `place` along `frame.n`, and a wavefront that is curved by
+    /// `[ss, st, tt]` along the frame's other axes; `None` if that is no number.
     pub fn curved(self, place: Vec3, frame: &Frame, curvature: [f32; 3]) -> Option<Self> {
         let curvature = Curvature::across(frame, curvature);
         let towards = frame.n + curvature.times(place);
@@ -140,8 +144,8 @@ mod tests {
         seen.cross(towards.normalize()).length()
     }
 
-    /// How large that may be in a place, for an image as near as this: numbers of eight bits are off by 1/512 at most, and the three
-    /// of a row add up.
+    /// How large that may be in a place, for an image as near as this: numbers of eight bits are
+    /// off by 1/512 at most, and the three of a row add up.
     fn rounding(place: Vec3, nearness: f32) -> f32 {
         1e-5 + place.distance(PLACE) * nearness.abs() * (3.0 / 512.0)
     }

@@ -1,4 +1,5 @@
-//! Where chains begin: what photons from small lights have met last before they landed, region by region.
+//! Where chains begin: what photons from small lights have met last before they landed, region by
+//! region.
 
 use super::guess::Guess;
 use super::receiver::Receiver;
@@ -17,27 +18,30 @@ pub struct Landed {
     pub seed: Guess,
 }
 
-/// Photons in a region, at most: the more, the rarer the images that some photon has found, and the more seeds that are far from
-/// where one is. (How many photons a search leads back to, and the seeds in all, for regions of 64, 128, 256 and 1024 with up to
-/// 24, 48, 96 and 200 seeds: a torus in glass 0.894 of 90 700, 0.911 of 60 200, 0.920 of 40 300, 0.927 of 20 600; lux-pool
-/// with 64, 256 and 1024 0.819 of 13 500, 0.814 of 9200, 0.809 of 6700. The variance under glass balls is 1.02 and 1.05 times as large with 128 and 256.
-/// That was when regions were halved until none had more, and had three quarters of that on average; now all are nearly full: with 128 and 160 a
+/// Photons in a region, at most: the more, the rarer the images that some photon has found, and the
+/// more seeds that are far from where one is. (How many photons a search leads back to, and the
+/// seeds in all, for regions of 64, 128, 256 and 1024 with up to 24, 48, 96 and 200 seeds: a torus
+/// in glass 0.894 of 90 700, 0.911 of 60 200, 0.920 of 40 300, 0.927 of 20 600; lux-pool with 64,
+/// 256 and 1024 0.819 of 13 500, 0.814 of 9200, 0.809 of 6700. The variance under glass balls is
+/// 1.02 and 1.05 times as large with 128 and 256. That was when regions were halved until none had
+/// more, and had three quarters of that on average; now all are nearly full: with 128 and 160 a
 /// torus in glass has an error of 0.00541 and 0.00556, for 5 % less rays.)
 const PER_REGION: usize = 160;
 /// Most seeds of a region.
 const MOST: usize = 48;
 
-/// How far beyond its photons a region reaches, relative to its size: some of what can be seen there lies between them and the
-/// next ones. (Rays of searches in `scenes/pool` and a kitchen relative to those without bounds, with 0.05: 0.70 and 0.84,
-/// and 0.93 and 0.98 of the lights found; with 0: 0.68 and 0.80, 0.90 and 0.96. Most of what is left out was found by chance: from
+/// How far beyond its photons a region reaches, relative to its size: some of what can be seen
+/// there lies between them and the next ones. (Rays of searches in `scenes/pool` and a kitchen
+/// relative to those without bounds, with 0.05: 0.70 and 0.84, and 0.93 and 0.98 of the lights
+/// found; with 0: 0.68 and 0.80, 0.90 and 0.96. Most of what is left out was found by chance: from
 /// places beside the pool that only a few photons reach.)
 const MARGIN: f32 = 0.05;
 
 /// A node of the tree over space, in eight bytes.
 #[derive(Clone, Copy, Debug)]
 struct Node {
-    /// Two bits: the axis that it is split along, or [`REGION`]. Thirty bits: its first child, which the second follows, or the
-    /// region.
+    /// Two bits: the axis that it is split along, or [`REGION`]. Thirty bits: its first child,
+    /// which the second follows, or the region.
     what: u32,
     /// Where it is split.
     at: f32,
@@ -84,8 +88,8 @@ fn bounds_of(landed: &[Landed]) -> Bounds {
 }
 
 impl Guesses {
-    /// From all photons. `begin` makes a photon's seed, `covers` tells which of a region's seeds leads to the way a photon
-    /// came.
+    /// From all photons. `begin` makes a photon's seed, `covers` tells which of a region's seeds
+    /// leads to the way a photon came.
     pub fn new(
         mut landed: Vec<Landed>,
         begin: &(impl Fn(&Landed) -> Guess + Sync),
@@ -183,10 +187,10 @@ impl Guesses {
     }
 }
 
-/// The seeds of a region's photons: one for every photon that no seed so far leads to. How often they are drawn goes
-/// by the root of the number of photons: images that bring little, which are the small ones, are the ones that
-/// paths do not meet by themselves. (All alike: as good. By the number itself: 1.09 times the variance in a torus in
-/// glass.)
+/// The seeds of a region's photons: one for every photon that no seed so far leads to. How often
+/// they are drawn goes by the root of the number of photons: images that bring little, which are
+/// the small ones, are the ones that paths do not meet by themselves. (All alike: as good. By the
+/// number itself: 1.09 times the variance in a torus in glass.)
 fn region(
     landed: &[Landed],
     begin: impl Fn(&Landed) -> Guess,

@@ -13,8 +13,9 @@ use std::f32::consts::FRAC_1_PI;
 
 /// Steps at most. (With 3: 1.15 times the variance of a torus in glass, for 0.95 of the time.)
 const STEPS: u32 = 6;
-/// Angle over which derivatives are measured where they are not known (see [`RayDifferential::pass`]): well below the angle under which a
-/// rounded edge is seen, and well above the rounding errors of hits and normals.
+/// Angle over which derivatives are measured where they are not known (see
+/// [`RayDifferential::pass`]): well below the angle under which a rounded edge is seen, and well
+/// above the rounding errors of hits and normals.
 const DIFFERENCE: f32 = 2e-4;
 /// The middle of a light is met to this part of its radius.
 const CLOSE: f32 = 0.25;
@@ -25,7 +26,8 @@ pub const FARTHEST_COSINE: f32 = 0.9;
 /// The image is taken for larger by this factor: it is no exact ellipse.
 const MARGIN: f32 = 1.2;
 
-/// The light's image, as far as it is linear: an ellipse in the plane that touches the unit sphere at `frame.n`.
+/// The light's image, as far as it is linear: an ellipse in the plane that touches the unit sphere
+/// at `frame.n`.
 #[derive(Clone, Copy, Debug)]
 pub struct LightImage {
     frame: Frame,
@@ -170,8 +172,8 @@ impl Lead {
     }
 }
 
-/// Brings the light into focus that `seed` tells of, as seen from a receiver. `None` where it is not seen, or not as an
-/// image that is nearly linear. Adds the rays that it takes to `traced`.
+/// Brings the light into focus that `seed` tells of, as seen from a receiver. `None` where it is
+/// not seen, or not as an image that is nearly linear. Adds the rays that it takes to `traced`.
 pub fn solve(
     scene: &Scene,
     receiver: &Receiver,
@@ -204,13 +206,15 @@ pub fn solve(
     None
 }
 
-/// The same seed, with what can be told from a place where its image is seen: where the middle of that is, and how the
-/// wavefront is curved there. Rays that start a little aside arrive elsewhere in the light; what they would have to turn to
-/// arrive where the first does is the curvature. `None` where that cannot be told.
+/// The same seed, with what can be told from a place where its image is seen: where the middle of
+/// that is, and how the wavefront is curved there. Rays that start a little aside arrive elsewhere
+/// in the light; what they would have to turn to arrive where the first does is the curvature.
+/// `None` where that cannot be told.
 ///
-/// (Of photons that come by chains, how many a search from their region's seeds leads back to, and the rays of a search,
-/// with images at the panes and like this: a torus in glass 0.862 and 8.1, 0.894 and 6.0; lux-pool 0.807 and 5.8, 0.819 and
-/// 4.0; a kitchen 0.907 and 7.9, 0.947 and 5.8; `scenes/pool` 0.991 and 4.9, 0.996 and 3.3, all when derivatives took rays of their own.)
+/// (Of photons that come by chains, how many a search from their region's seeds leads back to, and
+/// the rays of a search, with images at the panes and like this: a torus in glass 0.862 and 8.1,
+/// 0.894 and 6.0; lux-pool 0.807 and 5.8, 0.819 and 4.0; a kitchen 0.907 and 7.9, 0.947 and 5.8;
+/// `scenes/pool` 0.991 and 4.9, 0.996 and 3.3, all when derivatives took rays of their own.)
 pub fn curved(scene: &Scene, receiver: &Receiver, seed: &Guess, light: &Beacon) -> Option<Guess> {
     let mut traced = 0;
     let middle = solve(scene, receiver, seed, light, &mut traced)?.middle();

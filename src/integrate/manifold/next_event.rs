@@ -1,7 +1,7 @@
-//! Who aims at suns and lamps, and how often.
+//! Manifold next-event estimation at the vertices of guided paths: where, and how often.
 //!
-//! Rough vertices of guided paths do that some chain leads to (see [`super::chain`]), with a chance that a trial
-//! found to pay.
+//! Guidable vertices sample a specular chain to a sun or a lamp, with a probability that a trial
+//! found to pay (see [`super::rate`]).
 
 use super::follow::Cone;
 use super::receiver::Receiver;
@@ -11,13 +11,14 @@ use crate::integrate::direction::ROUGH_SPREAD;
 use crate::integrate::guided_path::{GuidedPath, PrefixState};
 use crate::integrate::guiding::is_guidable;
 use crate::integrate::vertex::Vertex;
-/// How much less often a path aims behind its first rough vertex: what it finds there counts for less.
+/// How much less often a path aims behind its first rough vertex: what it finds there counts for
+/// less.
 const BEHIND_FIRST: f32 = 0.4;
 /// Sets the numbers that chains are sampled by apart from others.
 const NUMBERS: u32 = 0x6169_6d00;
 
-/// Where a vertex aims from, and with which chance; `None` where it never does. (Whether any chain leads there is not asked
-/// before it does: most vertices do not aim, most times.)
+/// Where a vertex aims from, and with which chance; `None` where it never does. (Whether any chain
+/// leads there is not asked before it does: most vertices do not aim, most times.)
 #[inline]
 pub(in crate::integrate) fn receiver(
     context: &PathContext,

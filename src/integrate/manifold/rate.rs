@@ -1,25 +1,27 @@
 //! Does aiming pay, and how often?
 //!
-//! Every light that is found by aiming tells what it would have cost to leave it to the path: what has the density `b`
-//! there and brings `x` adds `x^2 / b` to the second moment of a sample, and `x^2 / (b + s a)` where it is
-//! aimed at with density `a` and chance `s` as well (balance heuristic). So one trial tells the variance, and the
-//! rays, of all chances.
+//! Every light that is found by aiming tells what it would have cost to leave it to the path: what
+//! has the density `b` there and brings `x` adds `x^2 / b` to the second moment of a sample, and
+//! `x^2 / (b + s a)` where it is aimed at with density `a` and chance `s` as well (balance
+//! heuristic). So one trial tells the variance, and the rays, of all chances.
 
 use super::chains::INITIAL_RATE;
 use super::sample::ManifoldSample;
 use crate::integrate::observer::PathObserver;
 use crate::integrate::path::Arrival;
-/// The chances that are compared. (Always, in lux-pool: 1.02 to 1.08 of the variance times time of half of the times.)
+/// The chances that are compared. (Always, in lux-pool: 1.02 to 1.08 of the variance times time of
+/// half of the times.)
 pub const RATES: [f32; 5] = [0.0, 0.0625, 0.125, 0.25, 0.5];
 
-/// A light that a path met by itself with so small a density that its sample would be this many times the image's
-/// radiance counts as one of this many times: it is so rare that it spoils few pixels. (Relative variance of a sample
-/// without the worst 0.1 % of the pixels, 64 samples, never aimed and with a chance of 0.25, measured: torus
-/// 2.3, 0.8; lux-pool 8.8, 5.7; a kitchen 3.3, 3.4. Foretold with a bound of 30, 100 and none: torus 1.1, 2.8,
-/// 47; lux-pool 7.8, 15, 31; a kitchen 3.5, 3.7, 14.)
+/// A light that a path met by itself with so small a density that its sample would be this many
+/// times the image's radiance counts as one of this many times: it is so rare that it spoils few
+/// pixels. (Relative variance of a sample without the worst 0.1 % of the pixels, 64 samples, never
+/// aimed and with a chance of 0.25, measured: torus 2.3, 0.8; lux-pool 8.8, 5.7; a kitchen 3.3,
+/// 3.4. Foretold with a bound of 30, 100 and none: torus 1.1, 2.8, 47; lux-pool 7.8, 15, 31; a
+/// kitchen 3.5, 3.7, 14.)
 const BRIGHTEST: f64 = 50.0;
-/// No chance is expected to leave less of the variance than this. (With 0.5 a chance of 0.25 seemed best in a torus in glass and
-/// in `scenes/pool`; 0.5 takes 0.83 and 0.84 of its error times time.)
+/// No chance is expected to leave less of the variance than this. (With 0.5 a chance of 0.25 seemed
+/// best in a torus in glass and in `scenes/pool`; 0.5 takes 0.83 and 0.84 of its error times time.)
 const LEAST_LEFT: f64 = 0.25;
 
 /// A light that was found.
@@ -52,7 +54,8 @@ impl PathObserver for RateStatistics {
 }
 
 impl Light {
-    /// What it adds to the second moment of all samples together at this chance, where it is `brightest` at most.
+    /// What it adds to the second moment of all samples together at this chance, where it is
+    /// `brightest` at most.
     fn moment(&self, chance: f32, brightest: f64) -> f64 {
         let density = self.met + self.aimed * f64::from(chance / INITIAL_RATE);
         self.brings * (self.brings / density).min(brightest) / self.aimed
@@ -60,8 +63,8 @@ impl Light {
 }
 
 impl RateStatistics {
-    /// For each of [`RATES`], the second moment that the lights add to all samples of a tile whose radiance is of the
-    /// order of `mean`, relative to that.
+    /// For each of [`RATES`], the second moment that the lights add to all samples of a tile whose
+    /// radiance is of the order of `mean`, relative to that.
     fn moments(&self, mean: f64) -> [f64; RATES.len()] {
         let sum = |chance| -> f64 {
             let moments = self
@@ -92,8 +95,8 @@ impl RateTrial {
         self.aiming += found.rays;
     }
 
-    /// The chance with the least variance times rays. There were so many samples, each of so much relative variance
-    /// and with so many rays in all.
+    /// The chance with the least variance times rays. There were so many samples, each of so much
+    /// relative variance and with so many rays in all.
     pub fn best(&self, samples: f64, variance: f64, rays: f64) -> f32 {
         let first = RATES.iter().position(|c| *c == INITIAL_RATE).unwrap_or(0);
         let aiming = self.aiming as f64 / samples;

@@ -1,15 +1,16 @@
-//! Neighbouring rays: how a ray's origin and direction change with where it began, carried along a chain.
+//! Neighbouring rays: how a ray's origin and direction change with where it began, carried along a
+//! chain.
 //!
-//! Differentiating the laws of reflection and refraction tells that without tracing a neighbour (Igehy, "Tracing Ray
-//! Differentials", 1999). Both laws say that what a surface adds to `wi + e wo` is along its normal `m`, where `e` is the
-//! ratio of the indices of refraction, 1 in a mirror:
+//! Differentiating the laws of reflection and refraction tells that without tracing a neighbour
+//! (Igehy, "Tracing Ray Differentials", 1999). Both laws say that what a surface adds to `wi + e
+//! wo` is along its normal `m`, where `e` is the ratio of the indices of refraction, 1 in a mirror:
 //!
 //! ```text
 //! wi = -e wo + g m,    g = wi.m + e wo.m,    d(wi.m) = e^2 (wo.m / wi.m) d(wo.m)
 //! ```
 //!
-//! Derivatives took two rays of five before. (Error times processor time of 64 samples of a torus in glass, two seeds: 0.168
-//! instead of 0.209.)
+//! Derivatives took two rays of five before. (Error times processor time of 64 samples of a torus
+//! in glass, two seeds: 0.168 instead of 0.209.)
 
 use crate::accel::{Hit, Ray};
 use crate::bsdf::{BsdfSample, LobeFlags};
@@ -46,8 +47,8 @@ impl RayDifferential {
         Self { org, dir }
     }
 
-    /// The pencil behind what `ray` met at a point and what it scattered to; `None` where the light was scattered by another
-    /// normal than the surface's own (a normal map's).
+    /// The ray differential behind what `ray` met at a point and what it scattered to; `None` where
+    /// the light was scattered by another normal than the surface's own (a normal map's).
     pub fn pass(
         &self,
         scene: &Scene,

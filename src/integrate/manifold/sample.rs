@@ -56,8 +56,8 @@ pub struct ManifoldSample {
 }
 
 impl SpecularChains {
-    /// Samples light that arrives at a vertex by a chain. `u` are three uniform numbers: one chooses the seed, two the
-    /// place in the image.
+    /// Samples light that arrives at a vertex by a chain. `u` are three uniform numbers: one
+    /// chooses the seed, two the place in the image.
     pub(in crate::integrate) fn sample(&self, request: &Request, u: [f32; 3]) -> ManifoldSample {
         let mut rays = 0;
         let found = self.find(request, u, &mut rays);

@@ -138,8 +138,9 @@ fn on_floor(scene: &Scene, x: f32, z: f32) -> Receiver {
     Receiver::new(&point, &bsdf, Vec3::Y)
 }
 
-/// The sun's image in a cylinder is as far away as the sun for who moves along it, and close behind its surface, at half
-/// the radius times the cosine of incidence (Coddington's equation for the plane of incidence), for who moves across.
+/// The sun's image in a cylinder is as far away as the sun for who moves along it, and close behind
+/// its surface, at half the radius times the cosine of incidence (Coddington's equation for the
+/// plane of incidence), for who moves across.
 #[test]
 fn a_seed_follows_the_suns_image_in_a_cylinder() {
     let scene = floor_and_mirror();
@@ -211,8 +212,8 @@ fn glass_and_mirror() -> Scene {
     Scene::build(&mut description, BuildSettings::default(), Backend::Obvhs).unwrap()
 }
 
-/// Through the glass and off the mirror a pencil is what rays beside each other trace, and a ray of it arrives where
-/// they do.
+/// Through the glass and off the mirror a ray differential is what rays beside each other trace,
+/// and a ray of it arrives where they do.
 #[test]
 fn a_pencil_is_what_neighbours_trace() {
     const STEP: f32 = 1e-3;

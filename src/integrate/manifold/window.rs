@@ -8,8 +8,9 @@ use crate::math::warp::concentric_disk;
 use crate::math::{Frame, Vec2};
 use crate::scene::Scene;
 
-/// A part of the unit square, each place of which stands for some of a light's photons: of a sun's for those that go
-/// through a point of a disk in front of the scene, of a lamp's for those with one direction.
+/// A part of the unit square, each place of which stands for some of a light's photons: of a sun's
+/// for those that go through a point of a disk in front of the scene, of a lamp's for those with
+/// one direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Window {
     min: Vec2,
@@ -45,8 +46,8 @@ impl Window {
     }
 }
 
-/// A photon that leaves a light by a place of its square; `u` are further uniform numbers. `None` if nothing shines
-/// that way.
+/// A photon that leaves a light by a place of its square; `u` are further uniform numbers. `None`
+/// if nothing shines that way.
 pub fn spawn_ray(scene: &Scene, light: &Beacon, at: Vec2, u: [f32; 3]) -> Option<Ray> {
     match *light {
         Beacon::Sun { center, radius } => {

@@ -8,8 +8,8 @@
 //! each takes light from the suffixes of all of them (Bekaert, Sbert and Halton, "Accelerating
 //! path tracing by re-using paths", 2002).
 //!
-//! Any prefix of the group could have drawn any of the vertices behind. Prefix `i` receives from the
-//! suffix at `y`
+//! Any prefix of the group could have drawn any of the vertices behind. Prefix `i` receives from
+//! the suffix at `y`
 //!
 //! ```text
 //! throughput_i f_i(y) G_i(y) V_i(y) L(y) / sum_k p_k(y) G_k(y) V_k(y)
@@ -23,10 +23,10 @@
 //!
 //! What is shared and what is not:
 //! - A prefix's direction is drawn once and goes on for certain: where roulette, splitting or the
-//!   choice of a delta lobe have a say there is no prefix ([`super::vertex`] asks).
+//!   choice of a delta lobe have a say there is no prefix (`guided_scatter.rs` asks).
 //! - The vertex behind is diffuse, or the base of rough plastic: its radiance is the same towards
-//!   all prefixes, or differs by a known factor ([`crate::bsdf::View`]). What it emits is for its own
-//!   path alone, weighed against that path's light sample.
+//!   all prefixes, or differs by a known factor ([`crate::bsdf::View`]). What it emits is for its
+//!   own path alone, weighed against that path's light sample.
 //! - Paths whose throughput there is nearly of one colour share nothing (`LEAST_CHANNEL` in
 //!   `reuse/prefix.rs`).
 //! - A group has one sample of each of its pixels: the samples of a pixel stay independent of each
@@ -36,15 +36,16 @@
 //! pixels of a tile: what is wrong with a suffix is wrong in all of them, a constellation of
 //! fireflies, and does not average out over the tile. Hence:
 //! - All suffixes are followed. If a part of them, drawn by lot, stood for all, that would cost
-//!   less time and be as good in pixels; but it would multiply the variance of a tile by the
-//!   number that each stands for, as what the pixels of a group see would come from fewer paths.
+//!   less time and be as good in pixels; but it would multiply the variance of a tile by the number
+//!   that each stands for, as what the pixels of a group see would come from fewer paths.
 //! - No path of its group makes a pixel brighter than the pixel's own path would, had it met the
 //!   same vertex: the balance heuristic's weights come to one, the pixel's own density is in their
 //!   sum, and a suffix counts once.
-//! - A suffix is linked with the prefixes of its group when its light is known, and not at all where
-//!   it brought none (about half of them): what is saved pays for larger groups.
+//! - A suffix is linked with the prefixes of its group when its light is known, and not at all
+//!   where it brought none (about half of them): what is saved pays for larger groups.
 //!
-//! The paths themselves, and what [`super::inspect`] shows of them, are the same with and without.
+//! The paths themselves, and what [`super::debug::inspect`] shows of them, are the same with and
+//! without.
 //!
 //! What was measured, and what else was tried, is in `EXPERIMENTS.md` beside this file.
 

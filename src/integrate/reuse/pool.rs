@@ -62,8 +62,8 @@ impl<'s> PrefixPool<'s> {
         Some(self.prefixes.len() as u32 - 1)
     }
 
-    /// A path arrives at a vertex. If what is found there can be shared, it gets an account of its
-    /// own.
+    /// A path arrives at a vertex. If what is found there can be shared, it gets an accumulator of
+    /// its own.
     #[inline]
     pub fn arrive(
         &mut self,
@@ -89,8 +89,8 @@ impl<'s> PrefixPool<'s> {
         Admission::Shares
     }
 
-    /// Settles the accounts of a wave so that what was found behind prefixes goes to all that could
-    /// have found it. Returns how many rays that took.
+    /// Settles the accumulators of a wave so that what was found behind prefixes goes to all that
+    /// could have found it. Returns how many rays that took.
     pub fn reduce(
         &self,
         context: &PathContext,

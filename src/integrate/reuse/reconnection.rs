@@ -26,8 +26,8 @@ pub(super) struct Contribution {
 struct Reconnection {
     /// The prefix that did, and this one.
     prefixes: [u32; 2],
-    /// What the prefix came with, times BSDF and cosine, relative to how the suffix's own prefix sees
-    /// its vertex.
+    /// What the prefix came with, times BSDF and cosine, relative to how the suffix's own prefix
+    /// sees its vertex.
     throughput: Rgb,
     /// Solid angle that a unit of area at the vertex takes.
     area: f64,
@@ -61,8 +61,8 @@ impl<'e, 's> Reconnector<'e, 's> {
         }
     }
 
-    /// Shares the suffixes of a group of prefixes, whose accumulators are complete. Those that brought no
-    /// light are passed over.
+    /// Shares the suffixes of a group of prefixes, whose accumulators are complete. Those that
+    /// brought no light are passed over.
     pub fn meet(&mut self, group: &[u32], outcomes: &[Outcome]) {
         self.links.clear();
         self.rays.clear();
@@ -179,9 +179,9 @@ impl Contribution {
 }
 
 impl Reconnection {
-    /// What the prefix makes of a unit of light behind, where prefixes of this density together (its
-    /// own in it) could have drawn the vertex. With its own alone that is what it makes of what it
-    /// finds itself: no other path can bring it more.
+    /// What the prefix makes of a unit of light behind, where prefixes of this density together
+    /// (its own in it) could have drawn the vertex. With its own alone that is what it makes of
+    /// what it finds itself: no other path can bring it more.
     fn brings(&self, density: f64) -> Rgb {
         self.throughput * (self.area / density) as f32
     }

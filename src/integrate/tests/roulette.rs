@@ -22,7 +22,8 @@ fn path(throughput: Rgb, eta: f32) -> GuidedPath {
 fn by_throughput_a_path_lives_as_its_brightest_channel_says() {
     let chance = |r, g, b, eta| by_throughput(&path(Rgb::new(r, g, b), eta).base, 1.0);
     assert_eq!(chance(0.1, 0.5, 0.2, 1.0), 0.5);
-    // Inside glass the throughput is scaled by 1/eta^2, which says nothing about what it will bring.
+    // Inside glass the throughput is scaled by 1/eta^2, which says nothing about what it will
+    // bring.
     assert!((chance(0.2, 0.2, 0.2, 1.5) - 0.45).abs() < 1e-6);
     assert_eq!(
         chance(4.0, 1.0, 1.0, 1.0),

@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Photons and camera paths that have been traced to learn from.
 static TRACED: AtomicU64 = AtomicU64::new(0);
 
-/// Photons and camera paths that this program has traced so far to learn from, those of images left out: for whoever
-/// shows that learning goes on.
+/// Photons and camera paths that this program has traced so far to learn from, those of images left
+/// out: for whoever shows that learning goes on.
 pub fn traced() -> u64 {
     TRACED.load(Ordering::Relaxed)
 }

@@ -1,8 +1,9 @@
 //! What rendering and learning cost, counted instead of timed.
 //!
-//! What is decided by cost has to be the same on every machine and for any number of threads, so no clock is read.
-//! Rays, vertices, photons and records are counted, and each stands for the processor time that it took on average
-//! where that was measured: the ten places of `tests/bench/rooms.py`, one thread. Only the ratios matter.
+//! What is decided by cost has to be the same on every machine and for any number of threads, so no
+//! clock is read. Rays, vertices, photons and records are counted, and each stands for the
+//! processor time that it took on average where that was measured: the ten places of
+//! `tests/bench/rooms.py`, one thread. Only the ratios matter.
 
 use super::importance::Look;
 use crate::photon::schedule::Budget;
@@ -11,8 +12,9 @@ use crate::photon::schedule::Budget;
 const PATH: f64 = 100.0;
 /// Of a ray of an unguided path, with what is done where it lands.
 const RAY: f64 = 330.0;
-/// Of a ray of a guided path: the field is asked. (Over an unguided one, 0.9 where there are many lamps, 1.0 under a sky
-/// that takes long to draw from, 1.3 in a bathroom, 1.6 in a corridor and in a furnace, 1.7 in a pool.)
+/// Of a ray of a guided path: the field is asked. (Over an unguided one, 0.9 where there are many
+/// lamps, 1.0 under a sky that takes long to draw from, 1.3 in a bathroom, 1.6 in a corridor and in
+/// a furnace, 1.7 in a pool.)
 const GUIDED_RAY: f64 = 400.0;
 /// Of a photon, besides its landings.
 const PHOTON: f64 = 250.0;
@@ -24,17 +26,18 @@ const LESSON: f64 = 900.0;
 /// Rays of an unguided path for each rough vertex: one goes on, one looks for light.
 const RAYS_A_VERTEX: f64 = 2.0;
 
-/// What photons may take of the work to come before it is known whether guiding pays, and in all. (More of them are not
-/// better: they divide the field's cells further than camera paths can fill them. relMSE of a living room lit through
-/// windows by 64 samples, 2000, 8000, some 20 000 and 200 000 photons: 0.022, 0.024, 0.031, 0.035; of three glass balls on a
-/// table 0.0125, 0.0138 by 16 000, 0.0141 by 200 000; of a corridor 0.031, 0.024, 0.0185, 0.019.)
+/// What photons may take of the work to come before it is known whether guiding pays, and in all.
+/// (More of them are not better: they divide the field's cells further than camera paths can fill
+/// them. relMSE of a living room lit through windows by 64 samples, 2000, 8000, some 20 000 and 200
+/// 000 photons: 0.022, 0.024, 0.031, 0.035; of three glass balls on a table 0.0125, 0.0138 by 16
+/// 000, 0.0141 by 200 000; of a corridor 0.031, 0.024, 0.0185, 0.019.)
 pub const PHOTONS: [f64; 2] = [0.005, 0.03];
 /// What learning from the samples of one pass may take of it, before that and after.
 pub const LESSONS: [f64; 2] = [0.007, 0.05];
 /// What all learning after a verdict takes of it, about.
 const STILL_TO_LEARN: f64 = 0.15;
-/// What each of a trial's two ways may take of the image's samples, and paths that it has in any case: fewer are too few to
-/// meet what is rare.
+/// What each of a trial's two ways may take of the image's samples, and paths that it has in any
+/// case: fewer are too few to meet what is rare.
 pub const TRIAL: f64 = 0.012;
 const LEAST_TRIAL: u64 = 1 << 12;
 
@@ -43,7 +46,8 @@ pub fn path(rays: f64) -> f64 {
     PATH + RAY * rays
 }
 
-/// The same where a field guides, which is still learning: where an unguided path would have `unguided` rays.
+/// The same where a field guides, which is still learning: where an unguided path would have
+/// `unguided` rays.
 pub fn guided_path(rays: f64, unguided: f64) -> f64 {
     PATH + GUIDED_RAY * rays + STILL_TO_LEARN * path(unguided)
 }
@@ -89,8 +93,8 @@ impl Effort {
         cost / self.sample
     }
 
-    /// How many paths of a pass may teach: what is learned from them takes its share of the work to come. `sure`: it is
-    /// known that guiding pays.
+    /// How many paths of a pass may teach: what is learned from them takes its share of the work to
+    /// come. `sure`: it is known that guiding pays.
     pub fn pupils(&self, sure: bool) -> u64 {
         let Some(samples) = self.samples else {
             return u64::MAX;

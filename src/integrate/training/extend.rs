@@ -1,8 +1,8 @@
-//! Learning further, over trees that stand: the records can be shared out among machines, and the sums
-//! that come back add up to the bits of one long run.
+//! Learning further, over trees that stand: the records can be shared out among machines, and the
+//! sums that come back add up to the bits of one long run.
 //!
-//! Every camera path is guided by the field that all start from, never by what its own shard has learned,
-//! so that record `i` is the same record wherever it is made.
+//! Every camera path is guided by the field that all start from, never by what its own shard has
+//! learned, so that record `i` is the same record wherever it is made.
 
 use super::camera_paths::training_samples;
 use super::learner::Learned;
@@ -58,7 +58,7 @@ pub fn recipe(view: &View, settings: &LearnSettings) -> String {
     )
 }
 
-/// What [`super::learn::learn`] came to, ready to be kept.
+/// What [`super::learn`] came to, ready to be kept.
 pub fn to_file(
     view: &View,
     settings: &LearnSettings,
@@ -102,7 +102,8 @@ pub fn check_scene(field: &Settings, scene_hash: u64) -> Result<(), GuideError> 
     )))
 }
 
-/// Learns from further records over the structure of `base`: those that follow the records that it knows.
+/// Learns from further records over the structure of `base`: those that follow the records that it
+/// knows.
 ///
 /// # Errors
 /// When the records would be made differently from those of the base.

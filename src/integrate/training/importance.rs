@@ -1,7 +1,7 @@
 //! A cheap look through the camera before learning: where paths go at all.
 //!
-//! Photons land everywhere. Where no camera path will ever come, what they teach is of no use, and the
-//! trees need not grow there.
+//! Photons land everywhere. Where no camera path will ever come, what they teach is of no use, and
+//! the trees need not grow there.
 
 use super::camera_paths::training_samples;
 use crate::guide::SurfacePoint;
@@ -36,8 +36,8 @@ impl Look {
     }
 }
 
-/// Where unguided paths of the view scatter, on the sides that light reaches them from: as many as a render of this budget
-/// is worth.
+/// Where unguided paths of the view scatter, on the sides that light reaches them from: as many as
+/// a render of this budget is worth.
 pub fn look(view: &View, budget: Budget) -> Look {
     let paths = match budget {
         Budget::AsNeeded { samples, .. } => (samples / SAMPLES_A_PATH).clamp(FEWEST, PATHS),

@@ -1,14 +1,17 @@
 //! Learning the field: from photons before rendering, then from camera paths.
 //!
-//! Photons come first, in batches (see [`crate::photon::schedule`]). Camera paths guided by what is known so far then
-//! teach the rest, above all what the camera sees and photons hardly reach. They are samples of the image like any other:
-//! whoever renders hands the [`TrainingSamples`] of its first passes to a [`Learner`] and renders the next pass with what that
-//! has learned ([`super::render`] does). [`learn`] makes paths of its own, for a field without an image.
+//! Photons come first, in batches (see [`crate::photon::schedule`]). Camera paths guided by what is
+//! known so far then teach the rest, above all what the camera sees and photons hardly reach. They
+//! are samples of the image like any other: whoever renders hands the [`TrainingSamples`] of its
+//! first passes to a [`Learner`] and renders the next pass with what that has learned
+//! ([`crate::integrate::render`] does). [`learn`] makes paths of its own, for a field without an
+//! image.
 //!
-//! Until a trial ([`super::trial`]) has told that guiding pays, photons and pupils are so few that learning takes about a
-//! twentieth of the work to come. (When photons were as many as the image has samples, `scenes/furnace` and
-//! `scenes/materials` took 1.3 to 1.6 times the processor seconds of an unguided render, at 64 samples as at 256,
-//! though guiding ended after four.) Memory is bounded, too: batches are as large as the trees leave room for.
+//! Until a trial ([`super::trial`]) has told that guiding pays, photons and training paths are so
+//! few that learning takes about a twentieth of the work to come. (When photons were as many as the
+//! image has samples, `scenes/furnace` and `scenes/materials` took 1.3 to 1.6 times the processor
+//! seconds of an unguided render, at 64 samples as at 256, though guiding ended after four.) Memory
+//! is bounded, too: batches are as large as the trees leave room for.
 
 use super::camera_paths::training_samples;
 use super::effort::Effort;
@@ -34,7 +37,8 @@ const VERTEX_BYTES: u64 = (size_of::<PathSample>() + size_of::<FractionRecord>()
 const MOST_TRAINING_PATHS: u64 = 1 << 19;
 /// Guided paths have so many times the vertices of others, before any were counted.
 const MORE_VERTICES: f64 = 2.0;
-/// Samples of every pixel that have taught before the trial, where the number of samples is not known.
+/// Samples of every pixel that have taught before the trial, where the number of samples is not
+/// known.
 const AFTER: u64 = 4;
 /// Otherwise one in so many.
 const ONE_IN: u64 = 64;
@@ -74,8 +78,8 @@ pub struct Learner {
 }
 
 impl Learner {
-    /// Learns from photons, where the paths of `view` may come. Where a trial will tell whether guiding pays, the most
-    /// of them wait for that.
+    /// Learns from photons, where the paths of `view` may come. Where a trial will tell whether
+    /// guiding pays, the most of them wait for that.
     ///
     /// # Errors
     /// When the scene's bounds are empty or a setting is out of range.
@@ -130,8 +134,9 @@ impl Learner {
         self.taught > 0
     }
 
-    /// Whether a trial is to tell now if guiding pays, after so many samples of each of the film's pixels: once learning
-    /// begins to be much beside the work to come, and again later where it was in doubt.
+    /// Whether a trial is to tell now if guiding pays, after so many samples of each of the film's
+    /// pixels: once learning begins to be much beside the work to come, and again later where it
+    /// was in doubt.
     pub fn is_to_be_judged(&self, after: u64, pixels: u64) -> bool {
         let spp = self.effort.samples().map(|s| s / pixels.max(1) / ONE_IN);
         let spp = spp.map_or(AFTER, |spp| spp.clamp(1, AFTER));
@@ -192,7 +197,8 @@ impl Learner {
         self.verdict
     }
 
-    /// Learns from `paths` camera paths that were guided by what was known until now, and forgets the lessons.
+    /// Learns from `paths` camera paths that were guided by what was known until now, and forgets
+    /// the training samples.
     pub fn take(&mut self, training_samples: &mut [TrainingSamples], paths: u64) {
         let start = Instant::now();
         self.taught = self.taught.saturating_add(paths);
@@ -254,8 +260,8 @@ impl Learner {
     }
 }
 
-/// Learns the light field of a scene, as the paths of `view` will need it. A field that the view has
-/// already is not looked at.
+/// Learns the light field of a scene, as the paths of `view` will need it. A field that the view
+/// has already is not looked at.
 ///
 /// # Errors
 /// When the scene's bounds are empty or a setting is out of range.

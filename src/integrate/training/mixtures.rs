@@ -1,7 +1,7 @@
 //! Learning cached mixtures: the same photons as [`super::learn`] takes, in batches of one size.
 //!
-//! Records stand where camera paths scatter; a look through the camera says where that is. Photons alone
-//! teach, as in the paper.
+//! Records stand where camera paths scatter; a look through the camera says where that is. Photons
+//! alone teach, as in the paper.
 
 use super::importance;
 use super::photons::trace_batch;
@@ -36,8 +36,9 @@ pub struct LearnedMixtures {
     pub elapsed: Duration,
 }
 
-/// Learns mixtures from photons in equal batches (the paper's 30 of 300 000, if no number is given), where the paths of
-/// `view` may come. Of the other settings only the memory and the photons' own count.
+/// Learns mixtures from photons in equal batches (the paper's 30 of 300 000, if no number is
+/// given), where the paths of `view` may come. Of the other settings only the memory and the
+/// photons' own count.
 ///
 /// # Errors
 /// When the scene's bounds are empty or a setting is out of range.
@@ -79,7 +80,8 @@ fn batches(records: u64, count: u32) -> impl Iterator<Item = Range<u64>> {
     ranges.filter(|r| !r.is_empty())
 }
 
-/// Mixtures of noise over the scene's bounds: for tests that show that no field can change the mean.
+/// Mixtures of noise over the scene's bounds: for tests that show that no field can change the
+/// mean.
 pub fn garbage(scene: &Scene, seed: u64) -> Mixtures {
     let bounds = scene.rays.bounds();
     Mixtures::random(bounds.min, bounds.max, seed)

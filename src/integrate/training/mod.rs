@@ -1,4 +1,5 @@
-//! Training the field: from photons before rendering, from the image's first samples, and whether that pays.
+//! Training the field: from photons before rendering, from the image's first samples, and whether
+//! that pays.
 
 pub mod camera_paths;
 mod count;

@@ -1,8 +1,9 @@
-//! The first passes of a guided render: they teach the field while they draw the image, and tell where the noise is.
+//! The first passes of a guided render: they teach the field while they draw the image, and tell
+//! where the noise is.
 //!
-//! A pass is guided by what the passes before it have taught, so each is an unbiased estimate given the
-//! ones before, and so is their sum. Passes double: the samples of the early ones, which know little, are
-//! soon few beside the rest.
+//! A pass is guided by what the passes before it have taught, so each is an unbiased estimate given
+//! the ones before, and so is their sum. Passes double: the samples of the early ones, which know
+//! little, are soon few beside the rest.
 
 use super::learner::Learner;
 use super::record::{PathRecords, TrainingSamples};
@@ -18,9 +19,9 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::time::Duration;
 
-/// Renders passes and teaches the learner, until it wants no more or a limit is reached. The passes' sizes
-/// depend on the limit in samples alone; when the time gets short, learning ends early. Returns the iteration that
-/// comes next.
+/// Renders passes and teaches the learner, until it wants no more or a limit is reached. The
+/// passes' sizes depend on the limit in samples alone; when the time gets short, learning ends
+/// early. Returns the iteration that comes next.
 pub(in crate::integrate) fn train_passes(
     job: &Job,
     learner: &mut Learner,

@@ -1,7 +1,8 @@
 //! The photons that teach a field: how many, in what parts, and what they cost.
 //!
-//! Where a render learns on the way and may find that guiding does not pay, photons come in two helpings: a small one
-//! before the trial, and the others once it is known that they are worth their while.
+//! Where a render learns on the way and may find that guiding does not pay, photons come in two
+//! helpings: a small one before the trial, and the others once it is known that they are worth
+//! their while.
 
 use super::count::add_traced;
 use super::effort::{self, Effort};

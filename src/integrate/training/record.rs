@@ -1,12 +1,12 @@
-//! What camera paths tell the field: at every rough vertex, where the path went on and how much light
-//! came back from there.
+//! What camera paths tell the field: at every rough vertex, where the path went on and how much
+//! light came back from there.
 //!
 //! While a path travels, a `Record` is opened at each vertex that could be guided and closed at the
-//! next one: what the sample had come to by then is its *baseline*. When the path has ended, all that
-//! came in after the baseline, divided by the throughput with which the path left the vertex, is an
-//! estimate of the radiance that arrives there from that direction. Light straight from an emitter is
-//! in it as far as multiple importance sampling leaves it to this direction: next-event estimation
-//! finds a lamp by itself, but not a dim sky beside a bright sun.
+//! next one: what the sample had come to by then is its *baseline*. When the path has ended, all
+//! that came in after the baseline, divided by the throughput with which the path left the vertex,
+//! is an estimate of the radiance that arrives there from that direction. Light straight from an
+//! emitter is in it as far as multiple importance sampling leaves it to this direction: next-event
+//! estimation finds a lamp by itself, but not a dim sky beside a bright sun.
 
 use crate::guide::{FractionRecord, PathSample};
 use crate::integrate::observer::{Departure, PathObserver};
@@ -101,8 +101,8 @@ impl PathRecords {
         }
     }
 
-    /// Turns the records of finished paths into lessons, in the order in which they were made, and
-    /// forgets them.
+    /// Turns the records of finished paths into training samples, in the order in which they were
+    /// made, and forgets them.
     pub fn conclude(&mut self, outcomes: &[Outcome], training_samples: &mut TrainingSamples) {
         for record in self.list.drain(..) {
             let outcome = &outcomes[record.accumulator as usize];

@@ -11,10 +11,11 @@ pub struct LearnSettings {
     pub photons: Budget,
     /// Camera paths in all; 0 learns from photons alone.
     pub paths: u64,
-    /// Batches that paths come in, where they are not those of an image; each is twice as large as the
-    /// one before.
+    /// Batches that paths come in, where they are not those of an image; each is twice as large as
+    /// the one before.
     pub batches: u32,
-    /// Most bytes that learning holds: the trees while they are trained, and the records that they learn from.
+    /// Most bytes that learning holds: the trees while they are trained, and the records that they
+    /// learn from.
     pub memory: u64,
     /// How photons are traced.
     pub photon: PhotonSettings,
