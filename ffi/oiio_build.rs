@@ -83,7 +83,7 @@ fn missing(why: &str) -> ! {
     }
     println!(
         "cargo::error=Images and textures need Debian's OpenImageIO and a C++ compiler: \
-         `apt-get install libopenimageio-dev g++ pkg-config`, or run ffi/install-debian.sh as root. \
+         `apt-get install libopenimageio-dev g++ pkg-config`, or run ffi/install-debian.sh. \
          Without them, `--no-default-features --features embree` reads and writes EXR only."
     );
     exit(0)

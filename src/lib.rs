@@ -29,6 +29,7 @@
 //!
 //! | to see | read |
 //! |---|---|
+//! | how the program is used | [`manual`] |
 //! | a render from its command line to its files | [`cli::render`] |
 //! | one path, one vertex at a time | [`integrate`] |
 //! | the method, which knows nothing of scenes and rays | [`guide`], with an example that trains a field |
@@ -58,6 +59,7 @@ pub mod image;
 pub mod integrate;
 pub mod light;
 pub mod make;
+pub mod manual;
 pub mod math;
 pub mod photon;
 pub mod report;

@@ -64,6 +64,7 @@ install_scenes() {
 
 install_documents() {
     put 644 usr/share/doc/twintree README.md ffi/debian/copyright
+    put 644 usr/share/doc/twintree/manual src/manual/*.md
     install -m 644 $stage/debian/changelog $root/usr/share/doc/twintree/changelog.Debian
     list_libraries >$root/usr/share/doc/twintree/rust-libraries
     gzip -9n $root/usr/share/doc/twintree/changelog.Debian $root/usr/share/doc/twintree/rust-libraries

@@ -1,8 +1,8 @@
 //! Whether a scene fits into memory: asked before it is loaded and again before its trees are built, so
 //! that the program says no with numbers instead of being ended by the system.
 //!
-//! The estimates are upper bounds of what was measured (README, "Large models"); they err by tens of per
-//! cent, not by factors.
+//! The estimates are upper bounds of what was measured ([`manual::speed`](crate::manual::speed)); they
+//! err by tens of per cent, not by factors.
 
 use super::args::AccelBuild;
 use super::{Failure, memory};

@@ -1,6 +1,7 @@
 //! `--quality`: a few settings under one name. Options that are typed win over it.
 //!
-//! The README has the table of what they stand for; `twintree sweep` finds what suits a scene.
+//! [`manual::render`](crate::manual::render) has the table of what they stand for;
+//! `twintree sweep` finds what suits a scene.
 
 use super::args::{Cli, Command, Preset, RenderArgs};
 use super::field_args::Guide;

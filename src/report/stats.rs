@@ -6,8 +6,8 @@ use crate::guide;
 use crate::integrate::training::trial::Verdict;
 use serde::{Deserialize, Serialize};
 
-/// Measurements of a render. The field names are the keys of the `--stats` file, documented in the
-/// README; times are wall-clock seconds, memory is in bytes.
+/// Measurements of a render. The field names are the keys of the `--stats` file, documented in
+/// [`manual::stats`](crate::manual::stats); times are wall-clock seconds, memory is in bytes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Stats {
     /// Version of the program.

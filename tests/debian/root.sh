@@ -52,7 +52,7 @@ write_sources() {
 enter() {
     local image=$1 variables path=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
     shift
-    # A toolchain of the host (mount_rust), or of rustup inside.
+    # A toolchain of the host (lend_rust), or of rustup inside.
     path=/opt/rust/bin:/root/.cargo/bin:$path
     mapfile -t variables < <(image_environment)
     chroot "$image" /usr/bin/env -i "PATH=$path" "${variables[@]}" \
