@@ -143,7 +143,7 @@ fn samples(spp: u64) -> Limits {
 fn with_all_that_is_on_by_default() {
     let path = PathSettings {
         reuse: 32,
-        aim: true,
+        manifold: true,
         adaptive: true,
         ..settings(SamplerKind::Sobol)
     };

@@ -2,7 +2,7 @@
 //!
 //! Points of the curve lie a constant factor apart, for an error falls with the root of the time: after
 //! each doubling of the samples, or a quarter more time. Rendering waits meanwhile, and its clock does too
-//! ([`Observer::time_aside`](crate::integrate::render::Observer::time_aside)): a curve costs an image
+//! ([`Observer::time_aside`](crate::integrate::progress::Observer::time_aside)): a curve costs an image
 //! nothing, however often it is looked at.
 
 use super::Failure;

@@ -50,14 +50,15 @@ pub struct GuideArgs {
         help_heading = "Guiding"
     )]
     pub reuse: u32,
-    /// Whether guided paths aim at suns and lamps behind glass and in mirrors
+    /// Manifold next-event estimation: guided paths sample suns and lamps behind glass and in mirrors
     #[arg(
         long,
+        alias = "aim",
         value_name = "WHEN",
         default_value = "auto",
         help_heading = "Guiding"
     )]
-    pub aim: Aim,
+    pub manifold: Manifold,
     /// Whether pixels that are noisier take more of the samples, where the first samples teach a field; --spp then is
     /// what they take on average
     #[arg(
@@ -101,9 +102,9 @@ pub enum RouletteBy {
     Throughput,
 }
 
-/// Whether paths aim at suns and lamps.
+/// Whether suns and lamps are sampled through specular chains.
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Aim {
+pub enum Manifold {
     /// Where there are any, as often as a short trial finds worth its time
     Auto,
     /// Never: they are left to what the field knows

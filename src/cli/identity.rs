@@ -109,7 +109,7 @@ fn settings(args: &RenderArgs, subject: &Subject, limits: &Limits) -> Vec<(Strin
         add("--mixture", &args.guide.mixture.0);
         add("--roulette", &args.guide.roulette);
         add("--reuse", &args.guide.reuse);
-        add("--aim", &args.guide.aim);
+        add("--manifold", &args.guide.manifold);
         return list;
     }
     let (guide, learn) = (args.guide.way(), &args.guide.learn);
@@ -131,7 +131,7 @@ fn settings(args: &RenderArgs, subject: &Subject, limits: &Limits) -> Vec<(Strin
         add("--mixture", &args.guide.mixture.0);
         add("--roulette", &args.guide.roulette);
         add("--reuse", &args.guide.reuse);
-        add("--aim", &args.guide.aim);
+        add("--manifold", &args.guide.manifold);
         add("--adaptive", &args.guide.adaptive);
         add("--trial", &args.guide.trial);
     }

@@ -14,7 +14,7 @@ pub struct Typed<'a>(pub &'a ArgMatches);
 type Names<'a> = &'a [&'a str];
 
 const SHAPE_OF_EXR: Names = &["format", "compression", "tiled"];
-const GUIDED: Names = &["mixture", "roulette", "reuse", "aim", "adaptive"];
+const GUIDED: Names = &["mixture", "roulette", "reuse", "manifold", "adaptive"];
 const LEARNED: Names = &[
     "photons",
     "paths",
@@ -95,7 +95,7 @@ impl Typed<'_> {
                 self.without_effect(&names, "no field guides; --guide double learns one")
             }
             Guide::Gmm => {
-                let names = ["mixture", "aim", "adaptive", "paths"];
+                let names = ["mixture", "manifold", "adaptive", "paths"];
                 self.without_effect(&names, "that is for --guide double")
             }
             Guide::Double if guide.field.is_some() => {

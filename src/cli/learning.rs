@@ -138,8 +138,8 @@ pub fn guiding(
         // The same chains for any number of samples: a render that is resumed may ask for more.
         let chains = find_chains(view, overrides::photons_alone(&args.learn));
         guide.manifold = chains.map(ManifoldSampling::new);
-        trial::aim(view, &mut guide);
-        describe_aiming(&guide);
+        trial::try_manifold(view, &mut guide);
+        describe_manifold(&guide);
         tracing::info!(
             "guided by {}: {}, {}",
             opened.path.display(),
@@ -176,7 +176,7 @@ pub fn guiding(
     }
     let mut learner = Learner::new(view, &settings)?;
     if !learner.wants_more() {
-        learner.try_aiming(view);
+        learner.try_manifold(view);
     }
     let counts = learner.counts();
     tracing::info!(
@@ -230,7 +230,7 @@ pub fn describe(learner: &Learner) {
         words::bytes(learner.guide().bytes()),
         words::time(learner.elapsed().as_secs_f64()),
     );
-    describe_aiming(learner.guide());
+    describe_manifold(learner.guide());
     let Some(verdict) = learner.verdict() else {
         return;
     };
@@ -253,12 +253,12 @@ pub fn describe(learner: &Learner) {
     }
 }
 
-/// Says how often paths aim at suns and lamps.
-fn describe_aiming(guide: &Guide) {
-    if let Some(aiming) = &guide.manifold {
-        let share = 100.0 * aiming.rate();
+/// Says how often suns and lamps are sampled through specular chains.
+fn describe_manifold(guide: &Guide) {
+    if let Some(manifold) = &guide.manifold {
+        let share = 100.0 * manifold.rate();
         tracing::info!(
-            "aims at suns and lamps behind glass and in mirrors: {share} % of the first rough vertices"
+            "samples suns and lamps behind glass and in mirrors at {share} % of the first rough vertices"
         );
     }
 }

@@ -1,7 +1,9 @@
 //! What the command line changes about a scene.
 
 use super::args::{LightArgs, PictureArgs, RFilter, RenderArgs, Sampler, StopArgs};
-use super::field_args::{Adaptive, Aim, GuideArgs, GuideModel, LearnArgs, RouletteBy, Teachers};
+use super::field_args::{
+    Adaptive, GuideArgs, GuideModel, LearnArgs, Manifold, RouletteBy, Teachers,
+};
 use super::{Failure, memory};
 use crate::film::filter::Filter;
 use crate::film::{FilmDescription, Pixel};
@@ -123,7 +125,7 @@ pub fn path_settings(args: &LightArgs, scene: &RenderDescription) -> PathSetting
         rr_depth: args.rr_depth.unwrap_or(scene.rr_depth),
         roulette: Roulette::default(),
         reuse: 1,
-        aim: false,
+        manifold: false,
         adaptive: false,
         hide_emitters: args.hide_emitters || scene.hide_emitters,
         strict_normals: args.strict_normals || scene.strict_normals,
@@ -138,7 +140,7 @@ pub fn guided_path_settings(args: &RenderArgs, scene: &RenderDescription) -> Pat
     PathSettings {
         roulette: roulette(guide),
         reuse: guide.reuse,
-        aim: guide.aim == Aim::Auto,
+        manifold: guide.manifold == Manifold::Auto,
         adaptive: guide.adaptive == Adaptive::Auto,
         ..path_settings(&args.light, scene)
     }

@@ -18,7 +18,7 @@ pub struct GuidedPath {
     /// Into how many paths its sample would have been split by now, had all of them been split as
     /// often.
     pub split_factor: u32,
-    /// Into how many paths it may be split among lobes (see [`super::lobe_splitting`]).
+    /// Into how many paths it may be split among lobes (see `lobe_splitting.rs`).
     pub split_budget: f32,
     /// The path's scaled throughput (see [`super::roulette`]) when the field guided it last; 1
     /// until then.

@@ -26,7 +26,8 @@ pub struct Guide {
     pub field: Field,
     /// How often to trust it.
     pub fractions: Fractions,
-    /// How to aim at suns and lamps that no direction of the field is narrow enough for.
+    /// Manifold next-event estimation, for suns and lamps that no direction of the field is narrow
+    /// enough for.
     pub manifold: Option<ManifoldSampling>,
 }
 
@@ -183,8 +184,8 @@ impl Guide {
         self.field.bytes() + chains.unwrap_or(0)
     }
 
-    /// Lets paths aim at suns and lamps this often, if there are any to aim at.
-    pub fn aim(&mut self, chance: f32) {
+    /// Sets the rate of manifold next-event estimation, if there are chains to sample; 0 ends it.
+    pub fn set_manifold_rate(&mut self, chance: f32) {
         let aiming = self.manifold.take().map(|aiming| aiming.with_rate(chance));
         self.manifold = aiming.filter(|_| chance > 0.0);
     }

@@ -1,12 +1,13 @@
-//! Ways by lobe: a delta lobe and all others are both followed.
+//! Splitting among lobes: a delta lobe and the other lobes are both followed.
 //!
-//! A path that a field aimed at the sun's image in a varnished table comes with a low throughput,
-//! as it should: the density was high. But varnish reflects a twentieth. Chosen by lot, it is met
-//! one time in twenty, by a path that is then twenty times as bright as the field meant it to be.
-//! So an aimed path has several *lots*: each lobe gets its share of them and is followed if that is
-//! one or more; a smaller share is drawn for. A way takes its lots along, so that reflections of
-//! reflections do not multiply: from one aiming to the next there are on average at most as many
-//! ways as there were lots. A path that comes from the camera has a few, too.
+//! A path that a field guides towards the sun's image in a varnished table comes with a low
+//! throughput, as it should: the density was high. But varnish reflects a twentieth. If one lobe is
+//! chosen by its probability, it is met one time in twenty, by a path that is then twenty times as
+//! bright as the field meant it to be. So a guided path has a *split budget*: each lobe gets its
+//! share of it and is followed if that is one or more; with a smaller share it is followed with
+//! that probability. A branch takes its share along, so that reflections of reflections do not
+//! multiply: from one guided vertex to the next there are on average at most as many branches as
+//! the budget says. A path from the camera has a small budget, too.
 
 use super::guided_path::GuidedPath;
 use super::path::Arrival;
@@ -17,33 +18,21 @@ use crate::bsdf::{Apart, Bsdf, BsdfSample, LobeFlags, Transport};
 use crate::math::rng::BELOW_ONE;
 use crate::math::{Rgb, Vec3};
 
-/// Lots of a path that a field has aimed.
-///
-/// Relative variance of a sample, 64 samples, without the worst 0.1 % of the pixels and with them,
-/// for 1, 4, 8, 16 and 32 lots: a glass caustic 4.5, 2.7, 2.2, 1.9, 1.8 and 18, 8.6, 4.7, 6.4, 5.3
-/// with 6.6 to 9.7 rays a path; a kitchen 11.7, 8.7, 8.7, 8.5, 8.4 with 6.0 to 7.3 rays; lux-pool
-/// 35, 69, 50, 38, 34 and 384, 131, 74, 59, 51; a torus in glass 6.4, 10, 8.0, 7.2, 5.9 and 91, 82,
-/// 74, 69, 48: there a single lot hides its variance in few pixels.
+/// Split budget behind a vertex that a field guides (measured: `EXPERIMENTS.md`).
 pub const GUIDED: f32 = 32.0;
 
-/// Lots of a path from the camera to where a field first aims it, if one will: water that reflects
-/// a thirtieth shows the sun in one sample of thirty, thirty times as bright.
-///
-/// Sum of the relative squared errors of 64 samples, in percent of that with a single lot, for 4, 8
-/// and 16 lots, and the same without the worst 0.1 % of the pixels: a pool under a small sun 83,
-/// 77, 71 and 90, 90, 86; a torus in glass 46, 35, 51 and 96, 93, 98; a kitchen 36, 27, 32 and 96,
-/// 98, 98; lux-pool 90, 91, 90 and 91, 90, 88; veach-ajar the same. The time: 1.00 to 1.22 of that
-/// with a single lot for 4, 1.00 to 1.3 for 16.
+/// Split budget of a guided path from the camera: water that reflects a thirtieth would otherwise
+/// show the sun in one sample of thirty, thirty times as bright (measured: `EXPERIMENTS.md`).
 pub const FROM_CAMERA: f32 = 4.0;
 
-/// A lobe's chance to be followed, and the lots of the way that does.
+/// A lobe's probability to be followed, and the budget of the branch that does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Share {
     /// The probability with which it would be chosen if only one were.
     probability: f32,
-    /// Chance to be followed.
+    /// Probability to be followed.
     chance: f32,
-    /// Lots of the way, at least 1.
+    /// Budget of the branch, at least 1.
     split_budget: f32,
 }
 
@@ -58,8 +47,8 @@ impl Share {
         }
     }
 
-    /// Makes a path that of the lobe. Roulette, which goes by the throughput since the field aimed
-    /// the path last, is not to undo what the lots did.
+    /// Makes a path the branch along the lobe. Roulette, which goes by the throughput since the
+    /// field guided the path last, is not to undo the split.
     #[inline]
     fn take(&self, path: &mut GuidedPath) {
         let factor = self.probability / self.chance;
@@ -70,7 +59,7 @@ impl Share {
 }
 
 /// The delta lobe and the rest, where both are to be considered: at vertices that a field guides,
-/// and at those between mirrors and glass that an aimed path meets.
+/// and at those between mirrors and glass that a guided path meets.
 #[inline]
 pub fn delta_and_rest(path: &GuidedPath, guided: bool, bsdf: &Bsdf, wo: Vec3) -> Option<Apart> {
     let unknown = !guided && bsdf.flags().has(LobeFlags::SMOOTH);

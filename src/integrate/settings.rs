@@ -14,13 +14,13 @@ pub struct PathSettings {
     /// What roulette goes by where a field guides.
     pub roulette: Roulette,
     /// How many paths share what they find behind their first rough vertices, where a field guides
-    /// (see [`reuse`]); 1: none do.
+    /// (see [`super::reuse`]); 1: none do.
     pub reuse: u32,
-    /// Where a field guides, paths aim at suns and lamps behind mirrors and glass, too (see
-    /// [`chain`]), if that pays.
-    pub aim: bool,
+    /// Where a field guides, suns and lamps behind mirrors and glass are sampled, too (see
+    /// [`super::manifold`]), as often as that pays.
+    pub manifold: bool,
     /// Where a field is learned from the image's first samples, the later ones are spread by noise
-    /// (see [`adaptive`]).
+    /// (see [`super::adaptive`]).
     pub adaptive: bool,
     /// The camera itself does not see emitters.
     pub hide_emitters: bool,

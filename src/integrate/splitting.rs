@@ -1,17 +1,17 @@
-//! Ways that split off paths.
+//! Path splitting.
 //!
-//! Where a path is worth more than its sample was expected to come to, it is split: it goes on in
+//! Where a path is worth more than its pixel was expected to come to, it is split: it goes on in
 //! several directions, each of which carries its share of the throughput (see [`super::roulette`]).
-//! Every way has an accumulator of its own among a wave's outcomes, so that what came along it can
-//! be told from what came along its siblings: that is what training samples are made of. At the end
-//! all accumulators are paid into those of the paths that they split off from.
+//! Every branch has an accumulator of its own among a wave's outcomes, so that its light can be
+//! told from that of its siblings: training samples need that. At the end all accumulators are
+//! added to those of the paths that they were split off from.
 
 use super::guided_path::GuidedPath;
 use super::path::{Arrival, Outcome};
 use crate::accel::Ray;
 use crate::math::Rgb;
 
-/// The accumulators of a wave beyond its samples, and the ways that wait for the next bounce.
+/// The accumulators of a wave beyond its samples, and the branches that wait for the next bounce.
 #[derive(Default)]
 pub struct SplitPaths {
     samples: u32,
@@ -22,7 +22,7 @@ pub struct SplitPaths {
 }
 
 impl SplitPaths {
-    /// Forgets all ways. The accumulators of `samples` samples come first.
+    /// Forgets all branches. The accumulators of `samples` samples come first.
     pub fn start(&mut self, samples: usize) {
         self.samples = samples as u32;
         self.parents.clear();

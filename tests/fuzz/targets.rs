@@ -75,7 +75,7 @@ fn thumbnail(mut description: Description) {
         seed: 1,
         roulette: twintree::integrate::Roulette::Field,
         reuse: 1,
-        aim: false,
+        manifold: false,
         adaptive: false,
     };
     let view = View {

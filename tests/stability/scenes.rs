@@ -121,7 +121,7 @@ pub fn seed(seed: u64) -> PathSettings {
     PathSettings {
         max_depth: 12,
         reuse: 32,
-        aim: false,
+        manifold: false,
         adaptive: false,
         seed,
         ..support::settings()

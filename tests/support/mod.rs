@@ -209,7 +209,7 @@ pub fn settings() -> PathSettings {
         rr_depth: 5,
         roulette: Roulette::Field,
         reuse: 1,
-        aim: false,
+        manifold: false,
         adaptive: false,
         hide_emitters: false,
         strict_normals: false,

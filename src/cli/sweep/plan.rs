@@ -6,7 +6,7 @@
 
 use crate::cli::Failure;
 use crate::cli::args::{Accel, AccelBuild, Cli, Sampler};
-use crate::cli::field_args::{Aim, Guide, GuideModel, RouletteBy, Teachers, Trial};
+use crate::cli::field_args::{Guide, GuideModel, Manifold, RouletteBy, Teachers, Trial};
 use crate::report::sweep::Configuration;
 use clap::{Parser, ValueEnum};
 use serde::Deserialize;
@@ -81,7 +81,7 @@ pub fn built_in(scene: SceneTraits) -> Vec<Configuration> {
     plan.turn_all("roulette", &[RouletteBy::Field]);
     plan.turn("reuse", "1");
     plan.turn("reuse", "8");
-    plan.turn_all("aim", &[Aim::Auto]);
+    plan.turn_all("manifold", &[Manifold::Auto]);
     plan.turn_all("trial", &[Trial::Auto]);
     // What paths have unless told otherwise.
     plan.turn_all("sampler", &[Sampler::Sobol]);

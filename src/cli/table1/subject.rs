@@ -212,7 +212,7 @@ impl Subject {
             Method::DoubleGauss => ModelKind::Gauss,
             Method::DoubleRender => {
                 let settings = PathSettings {
-                    aim: true,
+                    manifold: true,
                     adaptive: true,
                     ..settings
                 };

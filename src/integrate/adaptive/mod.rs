@@ -18,13 +18,7 @@
 //! The survey is that of the passes that teach the field, which every machine that renders a part
 //! of an image makes over the whole film; where those are fewer than [`FEWEST`], some more are
 //! made.
-//!
-//! Relative variance of a sample without the worst 0.1 % of the pixels, and rays a path, even and
-//! spread: a kitchen at 64 samples 3.44, 10.0 and 3.14, 9.9 (medians of three), at 256 4.5, 9.4 and
-//! 3.6, 9.2; veach-ajar at 256 1.46, 11.6 and 1.39, 11.2; a torus in glass at 64 0.61, 9.9 and
-//! 0.62, 10.1 (medians of four), at 256 1.58, 11.2 and 1.60, 11.7: its bright paths are too rare to
-//! show in the first samples. What perfect knowledge of the variances would leave: 0.70 in the
-//! kitchen, 0.80 in veach-ajar.
+//! What it gains is in `EXPERIMENTS.md` beside `integrate`.
 
 mod share;
 mod survey;

@@ -41,7 +41,7 @@ const PHOTONS_A_SECOND: f64 = 8192.0;
 /// No fewer, and no more: they are all held until the seeds are chosen, a hundred bytes each and
 /// twice for a moment.
 const LEAST_AND_MOST: (u64, u64) = (1 << 15, 1 << 19);
-/// Lights that are aimed at: their numbers have 16 bits.
+/// Lights that are sampled: their numbers have 16 bits.
 const MOST_BEACONS: usize = 1 << 16;
 /// Photons in a wave: one task.
 const WAVE: u64 = 4096;
@@ -59,7 +59,7 @@ fn photons_for(budget: Budget) -> u64 {
 /// The chains that bring light into a view's scene from where it is small and bright; `None` if
 /// there are none, or the view's settings rule them out. The `budget` is that of the render.
 pub fn find_chains(view: &View, budget: Budget) -> Option<SpecularChains> {
-    let wanted = view.settings.aim;
+    let wanted = view.settings.manifold;
     wanted.then(|| find(view.scene, view.settings.seed, budget))?
 }
 

@@ -1,8 +1,9 @@
-//! A beginning of a chain: where the light's image is seen, and how that turns as one moves.
+//! An initial guess of a specular chain: where the light's image is seen, and how that direction
+//! turns with the receiver.
 //!
 //! What is seen in a mirror or through a pane has a place of its own, behind the mirror, under the
-//! water, or in front of who looks; in a rounded edge two places, one for moves along the edge and
-//! one for moves across. All of that is the curvature of the wavefront that comes in (Born and
+//! water, or in front of the observer; in a rounded edge two places, one for moves along the edge
+//! and one for moves across. All of that is the curvature of the wavefront that comes in (Born and
 //! Wolf, "Principles of Optics", 3.1 and 4.6: the directions of rays are the gradient of one
 //! function, so that their derivative is symmetric).
 

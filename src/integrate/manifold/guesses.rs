@@ -1,5 +1,4 @@
-//! Where chains begin: what photons from small lights have met last before they landed, region by
-//! region.
+//! Initial guesses by region of space: how photons from small lights came there.
 
 use super::guess::Guess;
 use super::receiver::Receiver;
@@ -18,23 +17,14 @@ pub struct Landed {
     pub seed: Guess,
 }
 
-/// Photons in a region, at most: the more, the rarer the images that some photon has found, and the
-/// more seeds that are far from where one is. (How many photons a search leads back to, and the
-/// seeds in all, for regions of 64, 128, 256 and 1024 with up to 24, 48, 96 and 200 seeds: a torus
-/// in glass 0.894 of 90 700, 0.911 of 60 200, 0.920 of 40 300, 0.927 of 20 600; lux-pool with 64,
-/// 256 and 1024 0.819 of 13 500, 0.814 of 9200, 0.809 of 6700. The variance under glass balls is
-/// 1.02 and 1.05 times as large with 128 and 256. That was when regions were halved until none had
-/// more, and had three quarters of that on average; now all are nearly full: with 128 and 160 a
-/// torus in glass has an error of 0.00541 and 0.00556, for 5 % less rays.)
+/// Photons in a region, at most. The larger it is, the rarer are the images that no photon of a
+/// region has found, and the more guesses are far from a receiver (measured: `EXPERIMENTS.md`).
 const PER_REGION: usize = 160;
 /// Most seeds of a region.
 const MOST: usize = 48;
 
 /// How far beyond its photons a region reaches, relative to its size: some of what can be seen
-/// there lies between them and the next ones. (Rays of searches in `scenes/pool` and a kitchen
-/// relative to those without bounds, with 0.05: 0.70 and 0.84, and 0.93 and 0.98 of the lights
-/// found; with 0: 0.68 and 0.80, 0.90 and 0.96. Most of what is left out was found by chance: from
-/// places beside the pool that only a few photons reach.)
+/// there lies between them and the next ones. (Measured: `EXPERIMENTS.md`.)
 const MARGIN: f32 = 0.05;
 
 /// A node of the tree over space, in eight bytes.

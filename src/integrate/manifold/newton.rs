@@ -1,4 +1,4 @@
-//! Newton's method: from a seed to the light's image.
+//! Newton's method: from an initial guess to the image of the light.
 
 use super::follow::{Arrived, SpecularChain, follow_differential};
 use super::guess::Guess;

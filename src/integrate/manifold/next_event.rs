@@ -11,14 +11,16 @@ use crate::integrate::direction::ROUGH_SPREAD;
 use crate::integrate::guided_path::{GuidedPath, PrefixState};
 use crate::integrate::guiding::is_guidable;
 use crate::integrate::vertex::Vertex;
-/// How much less often a path aims behind its first rough vertex: what it finds there counts for
-/// less.
+
+/// Rate behind the first rough vertex of a path, relative to that at it: what is found there counts
+/// for less.
 const BEHIND_FIRST: f32 = 0.4;
 /// Sets the numbers that chains are sampled by apart from others.
 const NUMBERS: u32 = 0x6169_6d00;
 
-/// Where a vertex aims from, and with which chance; `None` where it never does. (Whether any chain
-/// leads there is not asked before it does: most vertices do not aim, most times.)
+/// The receiver at a vertex and the probability to sample a chain there; `None` where that is never
+/// done. (Whether any chain leads there is not looked up before one is sampled: most times none
+/// is.)
 #[inline]
 pub(in crate::integrate) fn receiver(
     context: &PathContext,

@@ -1,27 +1,22 @@
-//! Does aiming pay, and how often?
+//! How often manifold next-event estimation is worth its rays.
 //!
-//! Every light that is found by aiming tells what it would have cost to leave it to the path: what
-//! has the density `b` there and brings `x` adds `x^2 / b` to the second moment of a sample, and
-//! `x^2 / (b + s a)` where it is aimed at with density `a` and chance `s` as well (balance
-//! heuristic). So one trial tells the variance, and the rays, of all chances.
+//! Every light that it finds tells what it would have cost to leave it to BSDF and field sampling.
+//! Light `x` with density `b` there adds `x^2 / b` to the second moment of a sample, and `x^2 / (b
+//! + s a)` where it is sampled with density `a` at rate `s` as well (balance heuristic). So one
+//! trial tells the variance, and the rays, of all rates.
 
 use super::chains::INITIAL_RATE;
 use super::sample::ManifoldSample;
 use crate::integrate::observer::PathObserver;
 use crate::integrate::path::Arrival;
-/// The chances that are compared. (Always, in lux-pool: 1.02 to 1.08 of the variance times time of
-/// half of the times.)
+/// The rates that are compared.
 pub const RATES: [f32; 5] = [0.0, 0.0625, 0.125, 0.25, 0.5];
 
 /// A light that a path met by itself with so small a density that its sample would be this many
 /// times the image's radiance counts as one of this many times: it is so rare that it spoils few
-/// pixels. (Relative variance of a sample without the worst 0.1 % of the pixels, 64 samples, never
-/// aimed and with a chance of 0.25, measured: torus 2.3, 0.8; lux-pool 8.8, 5.7; a kitchen 3.3,
-/// 3.4. Foretold with a bound of 30, 100 and none: torus 1.1, 2.8, 47; lux-pool 7.8, 15, 31; a
-/// kitchen 3.5, 3.7, 14.)
+/// pixels. (Foretold with other bounds and measured: `EXPERIMENTS.md`.)
 const BRIGHTEST: f64 = 50.0;
-/// No chance is expected to leave less of the variance than this. (With 0.5 a chance of 0.25 seemed
-/// best in a torus in glass and in `scenes/pool`; 0.5 takes 0.83 and 0.84 of its error times time.)
+/// No rate is expected to leave less of the variance than this.
 const LEAST_LEFT: f64 = 0.25;
 
 /// A light that was found.
@@ -29,13 +24,13 @@ const LEAST_LEFT: f64 = 0.25;
 struct Light {
     /// What it brings, before it is divided by a density.
     brings: f64,
-    /// Density with which it was aimed at.
+    /// Density with which manifold next-event estimation drew it.
     aimed: f64,
     /// Density with which the path would have met it.
     met: f64,
 }
 
-/// What aiming brought, and what it took.
+/// What manifold next-event estimation brought, and what it took.
 #[derive(Clone, Debug, Default)]
 pub struct RateStatistics {
     lights: Vec<Light>,
@@ -77,12 +72,12 @@ impl RateStatistics {
     }
 }
 
-/// A trial at the chance [`INITIAL_RATE`].
+/// A trial at the probability `INITIAL_RATE`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RateTrial {
     /// What the lights add to the second moment of all samples together, for each of [`RATES`].
     moments: [f64; RATES.len()],
-    /// Rays that aiming took.
+    /// Rays that it took.
     aiming: u64,
 }
 

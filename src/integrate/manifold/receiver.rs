@@ -1,4 +1,4 @@
-//! Where chains end: rough vertices, as far as aiming goes by them.
+//! Receivers: the rough vertices where specular chains end.
 
 use super::guess::Guess;
 use crate::accel::Ray;

@@ -46,7 +46,7 @@ impl FoundLight {
     }
 }
 
-/// What came of aiming.
+/// What came of sampling a chain.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ManifoldSample {
     /// The light.

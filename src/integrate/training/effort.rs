@@ -27,10 +27,8 @@ const LESSON: f64 = 900.0;
 const RAYS_A_VERTEX: f64 = 2.0;
 
 /// What photons may take of the work to come before it is known whether guiding pays, and in all.
-/// (More of them are not better: they divide the field's cells further than camera paths can fill
-/// them. relMSE of a living room lit through windows by 64 samples, 2000, 8000, some 20 000 and 200
-/// 000 photons: 0.022, 0.024, 0.031, 0.035; of three glass balls on a table 0.0125, 0.0138 by 16
-/// 000, 0.0141 by 200 000; of a corridor 0.031, 0.024, 0.0185, 0.019.)
+/// More of them are not better: they divide the field's cells further than camera paths can fill
+/// them (measured: `EXPERIMENTS.md`).
 pub const PHOTONS: [f64; 2] = [0.005, 0.03];
 /// What learning from the samples of one pass may take of it, before that and after.
 pub const LESSONS: [f64; 2] = [0.007, 0.05];

@@ -8,9 +8,7 @@
 //! image.
 //!
 //! Until a trial ([`super::trial`]) has told that guiding pays, photons and training paths are so
-//! few that learning takes about a twentieth of the work to come. (When photons were as many as the
-//! image has samples, `scenes/furnace` and `scenes/materials` took 1.3 to 1.6 times the processor
-//! seconds of an unguided render, at 64 samples as at 256, though guiding ended after four.) Memory
+//! few that learning takes about a twentieth of the work to come.  Memory
 //! is bounded, too: batches are as large as the trees leave room for.
 
 use super::camera_paths::training_samples;
@@ -183,13 +181,13 @@ impl Learner {
     }
 
     /// Tries how often aiming at suns and lamps pays, where no pass of an image will.
-    pub fn try_aiming(&mut self, view: &View) {
-        trial::aim(view, &mut self.guide);
+    pub fn try_manifold(&mut self, view: &View) {
+        trial::try_manifold(view, &mut self.guide);
     }
 
     /// Takes note of how often aiming at suns and lamps pays.
-    pub fn aim(&mut self, chance: f32) {
-        self.guide.aim(chance);
+    pub fn set_manifold_rate(&mut self, chance: f32) {
+        self.guide.set_manifold_rate(chance);
     }
 
     /// Whether guiding pays, if that was tried.

@@ -56,7 +56,7 @@ pub(in crate::integrate) fn train_passes(
                     ..verdict
                 },
             );
-            learner.aim(chance);
+            learner.set_manifold_rate(chance);
         }
         let spreads = job.view.settings.adaptive && from >= adaptive::FIRST;
         let shares = spreads.then(|| told.survey.shares(film, from, &iteration));

@@ -36,11 +36,8 @@ const LEAST: u64 = 2;
 /// Tiles that a trial has at least, if the film does.
 const FEWEST_TILES: u64 = 8;
 /// The field is still learning, and errors that are cut hide a part of what it gains: it may be
-/// behind by this factor and go on, at first and when it is tried again. (Gain found by first
-/// trials, six seeds each, and gain of the whole render at 64 samples where guiding goes on: a
-/// terrace 0.48 to 0.56, 0.11; an office 0.51 to 0.59, 0.65; `furnace` 0.41 to 0.50, 0.55;
-/// `materials` 0.51 to 0.58, 0.42; `exact` 0.51 to 0.54, 0.36; and a kitchen 0.67 to 1.02, 1.9; a
-/// living room 0.84 to 0.98, 1.06; a study 0.56 to 0.82, 8; a patch of sun 0.97 to 1.07, 2.1.)
+/// behind by this factor and go on, at first and when it is tried again. The gains that
+/// trials found beside those of whole renders are in `EXPERIMENTS.md`.
 const PATIENCE: [f64; 2] = [1.6, 1.5];
 /// It is tried again where it is not ahead by this factor.
 const CLEAR: f64 = 1.5;
@@ -159,7 +156,7 @@ pub(super) fn trial(
 
 /// How often it pays to aim at suns and lamps where a view is guided by a field that was learned
 /// before.
-pub fn aim(view: &View, guide: &mut Guide) {
+pub fn try_manifold(view: &View, guide: &mut Guide) {
     if guide.manifold.is_none() {
         return;
     }
@@ -176,7 +173,7 @@ pub fn aim(view: &View, guide: &mut Guide) {
     }
     let samples = variances.len() as f64 * scope.samples as f64;
     let (variance, _) = trimmed(&mut variances);
-    guide.aim(aims.best(samples, variance, way.rays));
+    guide.set_manifold_rate(aims.best(samples, variance, way.rays));
 }
 
 /// Nobody looks on.

@@ -111,7 +111,7 @@ fn lit_balls(aside: f32, light: impl FnOnce(&mut SceneMaker)) -> Built {
 fn path(seed: u64) -> PathSettings {
     PathSettings {
         max_depth: 8,
-        aim: true,
+        manifold: true,
         seed,
         ..support::settings()
     }
@@ -122,7 +122,7 @@ fn aiming(scene: &Built, at: &Built, chance: f32) -> Guide {
     let mut guide = garbage(&scene.scene, ModelKind::Gauss, 9);
     guide.manifold = find_chains(&at.view(&path(3), None), BUDGET).map(ManifoldSampling::new);
     assert!(guide.manifold.is_some(), "nothing to aim at");
-    guide.aim(chance);
+    guide.set_manifold_rate(chance);
     guide
 }
 
@@ -217,7 +217,7 @@ fn aiming_lowers_the_noise_and_is_the_same_for_any_number_of_threads() {
             .expect("threads");
         pool.install(|| {
             let mut guide = learned(&scene);
-            guide.aim(chance);
+            guide.set_manifold_rate(chance);
             scene.render_guided(&path(2), 64, Some(&guide)).0
         })
     };
@@ -226,7 +226,7 @@ fn aiming_lowers_the_noise_and_is_the_same_for_any_number_of_threads() {
     // True errors: rare light that a film has missed is missing in its own noise, too.
     let (reference, _) = {
         let mut guide = learned(&scene);
-        guide.aim(0.5);
+        guide.set_manifold_rate(0.5);
         scene.render_guided(&path(3), 1024, Some(&guide))
     };
     let error = |film: &Film| {
@@ -253,7 +253,7 @@ fn nobody_aims_where_nothing_shines_in() {
     assert!(find_chains(&dark.view(&path(1), None), BUDGET).is_none());
     let scene = balls(0.0, Some(4.0));
     let unwilling = PathSettings {
-        aim: false,
+        manifold: false,
         ..path(1)
     };
     assert!(find_chains(&scene.view(&unwilling, None), BUDGET).is_none());
