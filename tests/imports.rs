@@ -26,7 +26,6 @@ const CIRCULAR: &[&str] = &[
     "accel",
     "bsdf",
     "cli",
-    "guide",
     "image",
     "integrate",
     "light",
