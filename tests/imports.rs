@@ -24,7 +24,6 @@ const ORDER: [&[&str]; 9] = [
 /// Folders in which there still are circles.
 const CIRCULAR: &[&str] = &[
     "accel",
-    "bsdf",
     "cli",
     "image",
     "integrate",
