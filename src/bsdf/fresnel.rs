@@ -6,6 +6,15 @@
 
 use crate::math::{Rgb, Vec3};
 
+/// Indices of refraction that the equations bear without overflow.
+pub(super) fn sane_eta(eta: f32) -> f32 {
+    if eta.is_finite() {
+        eta.clamp(1e-4, 1e4)
+    } else {
+        1.0
+    }
+}
+
 /// Fresnel reflectance of a dielectric, with what refraction needs besides.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Interface {

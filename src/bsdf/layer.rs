@@ -4,10 +4,11 @@
 //! and refracted out. Bounces between the model and the layer's underside are left out, as there.
 
 use super::fresnel::{dielectric, reflect};
-use super::lobes::{DELTA_REFLECTION, GLOSSY_REFLECTION, mean, share, smooth_sample, weighted};
+use super::lobes::{
+    DELTA_REFLECTION, GLOSSY_REFLECTION, Lobe, mean, share, smooth_sample, weighted,
+};
 use super::microfacet::Microfacet;
 use super::transmittance::RoughTransmittance;
-use super::tree::{NodeId, Tree};
 use super::{BsdfSample, LobeFlags, Transport};
 use crate::math::rng::BELOW_ONE;
 use crate::math::{Rgb, Vec2, Vec3};
@@ -90,8 +91,7 @@ impl Coating {
 
     pub fn eval_pdf(
         &self,
-        tree: &Tree,
-        inner: NodeId,
+        inner: &impl Lobe,
         wo: Vec3,
         wi: Vec3,
         transport: Transport,
@@ -103,7 +103,7 @@ impl Coating {
         }
         let r_o = dielectric(wo.z.abs(), layer.eta).r;
         let r_i = dielectric(wi.z.abs(), layer.eta).r;
-        let (value, pdf) = tree.eval_pdf(inner, o, i, transport);
+        let (value, pdf) = inner.eval_pdf(o, i, transport);
         // Compression of the solid angle on the way in.
         let jacobian = (wi.z / i.z).abs() / (layer.eta * layer.eta);
         let through = (1.0 - r_o) * (1.0 - r_i) * jacobian;
@@ -113,8 +113,7 @@ impl Coating {
 
     pub fn sample(
         &self,
-        tree: &Tree,
-        inner: NodeId,
+        inner: &impl Lobe,
         wo: Vec3,
         (u_lobe, u): (f32, Vec2),
         transport: Transport,
@@ -131,7 +130,7 @@ impl Coating {
         if o.z == 0.0 {
             return None;
         }
-        let s = tree.sample(inner, o, u_lobe, u, transport)?;
+        let s = inner.sample(o, u_lobe, u, transport)?;
         let wi = layer.outside(s.wi);
         if wi.z == 0.0 {
             return None;
@@ -188,8 +187,7 @@ impl RoughCoating {
 
     pub fn eval_pdf(
         &self,
-        tree: &Tree,
-        inner: NodeId,
+        inner: &impl Lobe,
         wo: Vec3,
         wi: Vec3,
         transport: Transport,
@@ -202,7 +200,7 @@ impl RoughCoating {
         let (mut value, mut pdf) = (coat, coat_pdf * p);
         let (o, i) = (self.layer.inside(wo), self.layer.inside(wi));
         if o.z != 0.0 && i.z != 0.0 {
-            let (below, below_pdf) = tree.eval_pdf(inner, o, i, transport);
+            let (below, below_pdf) = inner.eval_pdf(o, i, transport);
             let jacobian = (wi.z / i.z).abs() / (self.layer.eta * self.layer.eta);
             value += below * self.through(wo, wi, o, i) * jacobian;
             pdf += below_pdf * jacobian * (1.0 - p);
@@ -212,8 +210,7 @@ impl RoughCoating {
 
     pub fn sample(
         &self,
-        tree: &Tree,
-        inner: NodeId,
+        inner: &impl Lobe,
         wo: Vec3,
         (u_lobe, u): (f32, Vec2),
         transport: Transport,
@@ -232,7 +229,7 @@ impl RoughCoating {
             (wi, GLOSSY_REFLECTION, 1.0)
         } else {
             let o = self.layer.inside(wo);
-            let s = tree.sample(inner, o, u_lobe, u, transport)?;
+            let s = inner.sample(o, u_lobe, u, transport)?;
             let wi = self.layer.outside(s.wi);
             if wi.z == 0.0 || o.z == 0.0 {
                 return None;
@@ -243,7 +240,7 @@ impl RoughCoating {
             }
             (wi, s.lobe, s.eta)
         };
-        let (value, pdf) = self.eval_pdf(tree, inner, wo, wi, transport);
+        let (value, pdf) = self.eval_pdf(inner, wo, wi, transport);
         smooth_sample(wi, value, pdf, eta, lobe)
     }
 }

@@ -1,6 +1,7 @@
 //! Models that stand by themselves, looked up at a point: a material's textures become the numbers of
 //! a lobe.
 
+use super::fresnel::sane_eta;
 use super::lobes::conductor::{Conductor, Metal, RoughConductor};
 use super::lobes::dielectric::{Dielectric, Null, ThinDielectric};
 use super::lobes::diffuse::{DiffuseTransmitter, RoughDiffuse};
@@ -28,15 +29,6 @@ pub(super) struct Lookup<'a> {
 
 /// Largest value of a colour: no surface reflects as much, and the models' products stay finite.
 pub(super) const MOST: f32 = 1e4;
-
-/// Indices of refraction that the equations bear without overflow.
-pub(super) fn sane_eta(eta: f32) -> f32 {
-    if eta.is_finite() {
-        eta.clamp(1e-4, 1e4)
-    } else {
-        1.0
-    }
-}
 
 impl Lookup<'_> {
     pub fn color(&self, t: &Texture) -> Rgb {

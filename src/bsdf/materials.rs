@@ -1,15 +1,11 @@
 //! All materials of a scene, with what is computed once for each.
 
+use super::MaterialId;
 use super::facet_albedo::facet_albedo;
-use super::lobes::diffuse::Diffuse;
-use super::lookup::{Lookup, sane_eta};
+use super::fresnel::sane_eta;
 use super::material::{Material, Roughness};
-use super::plain::Form;
-use super::resolve::Resolver;
 use super::transmittance::{RoughTransmittance, rough_transmittance};
-use super::tree::Tree;
-use super::{Bsdf, LobeFlags, MaterialId};
-use crate::math::{Rgb, Vec3, luminance};
+use crate::math::{Rgb, luminance};
 use crate::texture::{SurfacePoint, Texture};
 
 /// All materials of a scene.
@@ -71,42 +67,6 @@ impl Materials {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()
-    }
-
-    /// Resolves material `id` at a point seen from direction `wo` (unit, away from the surface).
-    // Inlined so that the result is built where the caller keeps it instead of being copied there.
-    #[inline(always)]
-    pub fn resolve(&self, id: MaterialId, point: &SurfacePoint, wo: Vec3) -> Bsdf {
-        if let Some((frame, diffuse)) = self.resolve_plain(id, point, wo) {
-            return Bsdf {
-                frame,
-                ng: point.ng,
-                flags: Diffuse::FLAGS,
-                form: Form::Diffuse(diffuse),
-            };
-        }
-        let mut bsdf = Bsdf {
-            frame: point.frame,
-            ng: point.ng,
-            flags: LobeFlags::default(),
-            form: Form::Tree(Tree::default()),
-        };
-        // The tree grows where it stays: it is too large to be moved at every vertex.
-        if let Form::Tree(tree) = &mut bsdf.form {
-            bsdf.flags = self.grow(id, point, wo, tree);
-        }
-        bsdf
-    }
-
-    /// Fills the tree of material `id` and tells what it does.
-    fn grow(&self, id: MaterialId, point: &SurfacePoint, wo: Vec3, tree: &mut Tree) -> LobeFlags {
-        let lookup = Lookup {
-            materials: self,
-            point,
-        };
-        let mut resolver = Resolver { lookup, tree };
-        resolver.add(id, &point.frame, point.frame.to_local(wo));
-        tree.flags(tree.root())
     }
 
     /// Opacity of material `id` at a point: below 1 only where a [`Material::Mask`] says so. Both sides

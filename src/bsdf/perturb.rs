@@ -6,9 +6,8 @@
 //! of Estevez et al., "A Microfacet-Based Shadowing Function to Solve the Bump Terminator Problem"
 //! (Ray Tracing Gems, 2019). A scene can do without the first and the last.
 
-use super::lobes::weighted;
+use super::lobes::{Lobe, weighted};
 use super::material::Turning;
-use super::tree::{NodeId, Tree};
 use super::{BsdfSample, Transport, normal_correction};
 use crate::math::{Frame, Rgb, Vec2, Vec3};
 
@@ -66,11 +65,10 @@ impl Perturbation {
         }
     }
 
-    /// Value and density of the node `inner` in the turned frame.
+    /// Value and density of the model `inner` in the turned frame.
     pub fn eval_pdf(
         &self,
-        tree: &Tree,
-        inner: NodeId,
+        inner: &impl Lobe,
         wo: Vec3,
         wi: Vec3,
         transport: Transport,
@@ -79,21 +77,20 @@ impl Perturbation {
         if wi.z * i.z <= 0.0 {
             return (Rgb::ZERO, 0.0);
         }
-        let (value, pdf) = tree.eval_pdf(inner, o, i, transport);
+        let (value, pdf) = inner.eval_pdf(o, i, transport);
         (value * self.factor(wo, wi, transport), pdf)
     }
 
-    /// A direction from the node `inner` in the turned frame.
+    /// A direction from the model `inner` in the turned frame.
     pub fn sample(
         &self,
-        tree: &Tree,
-        inner: NodeId,
+        inner: &impl Lobe,
         wo: Vec3,
         (u_lobe, u): (f32, Vec2),
         transport: Transport,
     ) -> Option<BsdfSample> {
         let o = self.frame.to_local(wo);
-        let s = tree.sample(inner, o, u_lobe, u, transport)?;
+        let s = inner.sample(o, u_lobe, u, transport)?;
         let wi = self.frame.to_world(s.wi);
         if wi.z * s.wi.z <= 0.0 {
             return None;

@@ -1,27 +1,67 @@
 //! From a material and a point to numbers: every texture is looked up once, sides are chosen, frames
 //! turned.
 
+use super::fresnel::sane_eta;
 use super::layer::{Coating, Layer, RoughCoating};
 use super::lobes::diffuse::Diffuse;
-use super::lookup::{Lookup, sane_eta};
+use super::lookup::Lookup;
 use super::material::Turning;
 use super::perturb::{Perturbation, bumped_normal};
+use super::plain::Form;
 use super::tree::{Mix, Node, NodeId, Tree};
-use super::{Material, MaterialId};
+use super::{Bsdf, LobeFlags, Material, MaterialId, Materials};
 use crate::math::{Frame, Vec2, Vec3, luminance};
-use crate::texture::Texture;
+use crate::texture::{SurfacePoint, Texture};
+
+impl Materials {
+    /// Resolves material `id` at a point seen from direction `wo` (unit, away from the surface).
+    // Inlined so that the result is built where the caller keeps it instead of being copied there.
+    #[inline(always)]
+    pub fn resolve(&self, id: MaterialId, point: &SurfacePoint, wo: Vec3) -> Bsdf {
+        if let Some((frame, diffuse)) = self.resolve_plain(id, point, wo) {
+            return Bsdf {
+                frame,
+                ng: point.ng,
+                flags: Diffuse::FLAGS,
+                form: Form::Diffuse(diffuse),
+            };
+        }
+        let mut bsdf = Bsdf {
+            frame: point.frame,
+            ng: point.ng,
+            flags: LobeFlags::default(),
+            form: Form::Tree(Tree::default()),
+        };
+        // The tree grows where it stays: it is too large to be moved at every vertex.
+        if let Form::Tree(tree) = &mut bsdf.form {
+            bsdf.flags = self.grow(id, point, wo, tree);
+        }
+        bsdf
+    }
+
+    /// Fills the tree of material `id` and tells what it does.
+    fn grow(&self, id: MaterialId, point: &SurfacePoint, wo: Vec3, tree: &mut Tree) -> LobeFlags {
+        let lookup = Lookup {
+            materials: self,
+            point,
+        };
+        let mut resolver = Resolver { lookup, tree };
+        resolver.add(id, &point.frame, point.frame.to_local(wo));
+        tree.flags(tree.root())
+    }
+}
 
 /// Resolving one material at one point into a tree.
-pub(super) struct Resolver<'a> {
-    pub lookup: Lookup<'a>,
-    pub tree: &'a mut Tree,
+struct Resolver<'a> {
+    lookup: Lookup<'a>,
+    tree: &'a mut Tree,
 }
 
 impl Resolver<'_> {
     /// Adds the nodes of `material`; `frame` is the shading frame that maps turn and `wo` is local to
     /// it, mirrored where a two-sided material is seen from its back.
     #[inline]
-    pub fn add(&mut self, id: MaterialId, frame: &Frame, wo: Vec3) -> NodeId {
+    fn add(&mut self, id: MaterialId, frame: &Frame, wo: Vec3) -> NodeId {
         let Some(material) = self.lookup.materials.list.get(id as usize) else {
             return self.tree.push(Node::Black);
         };

@@ -158,15 +158,21 @@ impl Tree {
         self.nodes.get(usize::from(id)).unwrap_or(&Node::Black)
     }
 
+    /// The model that a node is.
+    #[inline]
+    fn at(&self, id: NodeId) -> Subtree<'_> {
+        Subtree { tree: self, id }
+    }
+
     /// `f |cos theta_i|` and density of the node, in its local frame.
     pub fn eval_pdf(&self, id: NodeId, wo: Vec3, wi: Vec3, transport: Transport) -> (Rgb, f32) {
         with_lobe!(self.node(id), lobe => lobe.eval_pdf(wo, wi, transport),
             Node::Black => (Rgb::ZERO, 0.0),
             &Node::Flipped(inner) => self.eval_pdf(inner, flip(wo), flip(wi), transport),
-            Node::Perturbed(p, inner) => p.eval_pdf(self, *inner, wo, wi, transport),
+            Node::Perturbed(p, inner) => p.eval_pdf(&self.at(*inner), wo, wi, transport),
             Node::Mix(mix) => self.eval_mix(mix, wo, wi, transport),
-            Node::Coating(c, inner) => c.eval_pdf(self, *inner, wo, wi, transport),
-            Node::RoughCoating(c, inner) => c.eval_pdf(self, *inner, wo, wi, transport),
+            Node::Coating(c, inner) => c.eval_pdf(&self.at(*inner), wo, wi, transport),
+            Node::RoughCoating(c, inner) => c.eval_pdf(&self.at(*inner), wo, wi, transport),
         )
     }
 
@@ -185,10 +191,10 @@ impl Tree {
                 let s = self.sample(inner, flip(wo), u_lobe, u, transport)?;
                 Some(BsdfSample { wi: flip(s.wi), ..s })
             }
-            Node::Perturbed(p, inner) => p.sample(self, *inner, wo, (u_lobe, u), transport),
+            Node::Perturbed(p, inner) => p.sample(&self.at(*inner), wo, (u_lobe, u), transport),
             Node::Mix(mix) => self.sample_mix(mix, wo, u_lobe, u, transport),
-            Node::Coating(c, inner) => c.sample(self, *inner, wo, (u_lobe, u), transport),
-            Node::RoughCoating(c, inner) => c.sample(self, *inner, wo, (u_lobe, u), transport),
+            Node::Coating(c, inner) => c.sample(&self.at(*inner), wo, (u_lobe, u), transport),
+            Node::RoughCoating(c, inner) => c.sample(&self.at(*inner), wo, (u_lobe, u), transport),
         )
     }
 
@@ -266,6 +272,36 @@ impl Tree {
             Node::Mix(mix) => smaller(self.roughness(mix.first), self.roughness(mix.second)),
             Node::RoughCoating(c, inner) => smaller(Some(c.alpha()), self.roughness(*inner)),
         )
+    }
+}
+
+/// A node with all that it names: a model like any other to the coatings and frames around it.
+struct Subtree<'a> {
+    tree: &'a Tree,
+    id: NodeId,
+}
+
+impl Lobe for Subtree<'_> {
+    #[inline]
+    fn eval_pdf(&self, wo: Vec3, wi: Vec3, transport: Transport) -> (Rgb, f32) {
+        self.tree.eval_pdf(self.id, wo, wi, transport)
+    }
+
+    #[inline]
+    fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2, transport: Transport) -> Option<BsdfSample> {
+        self.tree.sample(self.id, wo, u_lobe, u, transport)
+    }
+
+    fn flags(&self) -> LobeFlags {
+        self.tree.flags(self.id)
+    }
+
+    fn albedo(&self) -> Rgb {
+        self.tree.albedo(self.id)
+    }
+
+    fn roughness(&self) -> Option<f32> {
+        self.tree.roughness(self.id)
     }
 }
 

@@ -8,14 +8,12 @@
 
 use super::links::{Place, step};
 use super::model::Look;
+use super::recent::Recent;
 use super::record::{Deposit, Origin};
 use super::refine::Refined;
 use super::train::Trainer;
 use rayon::prelude::*;
 
-/// Most records that are kept, some 70 bytes each. Of a larger batch the first ones have to speak for
-/// all: constants lose nothing but the way a known sum is spread, mixtures all the others.
-const MOST: usize = 1 << 22;
 /// How many records a batch should have at most, well below what is kept: mixtures then learn from all of them. (When
 /// batches of photons doubled without end, RMSE over that of cached mixtures, nine million photons, door, was 1.09
 /// instead of 1.05. With batches of this size, relMSE after 60 s in veach-ajar 0.0161 instead of 0.0188, in a kitchen 0.0268 instead of
@@ -28,79 +26,6 @@ const UNDISTURBED: u32 = 2;
 /// A batch with less than this share of the records before it is looked at once: what lobes its records belong to
 /// hardly changes from one look to the next.
 const SMALL: f64 = 0.2;
-
-/// The records of the last batch.
-#[derive(Clone, Debug)]
-pub(crate) struct Recent {
-    origin: Option<Origin>,
-    /// Records of this origin before the batch.
-    before: u64,
-    deposits: Vec<Deposit>,
-    places: Vec<Place>,
-    vertices: Vec<Vertex>,
-    /// How many are kept.
-    most: usize,
-}
-
-/// Where a path vertex lies.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Vertex {
-    pub key: u64,
-    /// Leaf of R.
-    pub leaf: u32,
-}
-
-impl Default for Recent {
-    fn default() -> Self {
-        Self::of(MOST)
-    }
-}
-
-impl Recent {
-    /// None yet, and never more than `most`.
-    pub fn of(most: usize) -> Self {
-        Self {
-            origin: None,
-            before: 0,
-            deposits: Vec::new(),
-            places: Vec::new(),
-            vertices: Vec::new(),
-            most: most.min(MOST),
-        }
-    }
-
-    /// Forgets all and waits for a batch of this origin, which there were so many records of `before`; `count` of its
-    /// records will be kept, if there is room.
-    pub fn start(&mut self, origin: Origin, before: u64, count: usize) {
-        *self = Self::of(self.most);
-        self.origin = Some(origin);
-        self.before = before;
-        let count = count.min(self.most);
-        self.deposits.reserve_exact(count);
-        self.places.reserve_exact(count);
-    }
-
-    /// Bytes held.
-    pub fn bytes(&self) -> u64 {
-        let records = self.deposits.capacity() * (size_of::<Deposit>() + size_of::<Place>());
-        (records + self.vertices.capacity() * size_of::<Vertex>()) as u64
-    }
-
-    /// Keeps records and their places, as long as there is room.
-    pub fn keep(&mut self, deposits: &[Deposit], places: &[Place]) {
-        let room = self.most.saturating_sub(self.deposits.len());
-        let kept = deposits.len().min(room);
-        self.deposits.extend_from_slice(&deposits[..kept]);
-        self.places.extend_from_slice(&places[..kept]);
-    }
-
-    /// Keeps path vertices, as long as there is room.
-    pub fn keep_vertices(&mut self, vertices: &[(Vertex, u32)]) {
-        let room = self.most.saturating_sub(self.vertices.len());
-        self.vertices
-            .extend(vertices.iter().take(room).map(|v| v.0));
-    }
-}
 
 impl Trainer {
     /// *Refine* in up to `rounds` rounds over the batch that was trained last. Its records are not

@@ -6,10 +6,9 @@
 
 use super::lists::{GROUPS, Lists};
 use super::model::FrozenSet;
-use super::query::LocalField;
 use super::settings::Product;
 use super::space::Grid;
-use crate::math::{Rgb, Vec3};
+use crate::math::Vec3;
 
 /// An immutable learned field. Cheap to share between threads; made by [`Trainer::freeze`](super::Trainer::freeze).
 #[derive(Clone, Debug)]
@@ -54,31 +53,6 @@ impl Field {
     /// Cells of R (its leaves).
     pub fn cell_count(&self) -> u32 {
         self.cell_key.len() as u32
-    }
-
-    /// The distribution of light at a point.
-    ///
-    /// `normal` (unit), where given, keeps samples above its horizon as [`Settings::product`](super::Settings::product) says.
-    /// A field split by normals needs it to find the right cell.
-    /// `throughput` weights the colours: light that the path's throughput would absorb is not looked
-    /// for; pass white when unsure. Neither changes which directions are possible, only how likely.
-    #[inline]
-    pub fn at(&self, position: Vec3, normal: Option<Vec3>, throughput: Rgb) -> LocalField<'_> {
-        let side = normal.unwrap_or(Vec3::Z);
-        LocalField::new(self, position, side, normal, throughput)
-    }
-
-    /// The same for a surface whose side `side` is known while light may reach it from beyond its
-    /// `horizon`, too (a leaf, frosted glass): then pass no horizon.
-    #[inline]
-    pub fn at_side(
-        &self,
-        position: Vec3,
-        side: Vec3,
-        horizon: Option<Vec3>,
-        throughput: Rgb,
-    ) -> LocalField<'_> {
-        LocalField::new(self, position, side, horizon, throughput)
     }
 
     /// The flux of a cell, in units of the field's scale: all groups' red, green, blue.

@@ -4,10 +4,11 @@
 //! first time costs as much as what is done with it. So batches are read where they lie, in as many parts as they
 //! were made in, and a piece at a time is turned into deposits.
 
-use super::again::Vertex;
 use super::links::Place;
 use super::model::Look;
-use super::record::{Deposit, Dropped, Intake, Origin, PathSample, Photon, batch_unit};
+use super::quantise::{Dropped, Intake, batch_unit};
+use super::recent::Vertex;
+use super::record::{Deposit, Origin, PathSample, Photon};
 use super::space::Space;
 use super::train::Trainer;
 use crate::math::Rgb;

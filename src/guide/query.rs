@@ -39,6 +39,33 @@ pub struct LocalField<'f> {
     query: Query,
 }
 
+impl Field {
+    /// The distribution of light at a point.
+    ///
+    /// `normal` (unit), where given, keeps samples above its horizon as [`Settings::product`](super::Settings::product) says.
+    /// A field split by normals needs it to find the right cell.
+    /// `throughput` weights the colours: light that the path's throughput would absorb is not looked
+    /// for; pass white when unsure. Neither changes which directions are possible, only how likely.
+    #[inline]
+    pub fn at(&self, position: Vec3, normal: Option<Vec3>, throughput: Rgb) -> LocalField<'_> {
+        let side = normal.unwrap_or(Vec3::Z);
+        LocalField::new(self, position, side, normal, throughput)
+    }
+
+    /// The same for a surface whose side `side` is known while light may reach it from beyond its
+    /// `horizon`, too (a leaf, frosted glass): then pass no horizon.
+    #[inline]
+    pub fn at_side(
+        &self,
+        position: Vec3,
+        side: Vec3,
+        horizon: Option<Vec3>,
+        throughput: Rgb,
+    ) -> LocalField<'_> {
+        LocalField::new(self, position, side, horizon, throughput)
+    }
+}
+
 impl<'f> LocalField<'f> {
     /// See [`Field::at`].
     #[inline]

@@ -1,8 +1,8 @@
 //! The trainable field and how it is *built*. How it takes records in is in `intake.rs`.
 
-use super::again::Recent;
 use super::links::{Link, Product, Split};
 use super::model::{Batch, Look, Region, StatSet, Traits};
+use super::recent::Recent;
 use super::record::{Deposit, Origin, SurfacePoint};
 use super::settings::{GuideError, Settings, Source};
 use super::space::{Grid, Space};

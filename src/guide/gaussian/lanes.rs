@@ -1,11 +1,8 @@
 //! Eight Gaussians side by side, laid out for vector instructions.
 
-use super::lobe::Lobe;
+use super::lobe::{LOBES, Lobe};
 use crate::math::special::{VANISHING, exp_negative};
 use std::f32::consts::TAU;
-
-/// Gaussians of a mixture: the paper's number.
-pub const LOBES: usize = 8;
 
 /// A number for each lobe.
 pub type Eight = [f32; LOBES];

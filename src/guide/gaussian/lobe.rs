@@ -1,7 +1,9 @@
 //! One Gaussian, and the most likely ones for what was counted.
 
-use super::lanes::LOBES;
 use crate::math::Vec2;
+
+/// Gaussians of a mixture, as many as in Vorba et al. 2014.
+pub const LOBES: usize = 8;
 
 /// The paper's priors on covariances and on weights.
 const PRIOR_A: f64 = 2.01;

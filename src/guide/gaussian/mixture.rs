@@ -1,8 +1,8 @@
 //! A frozen mixture over a [`Domain`].
 
 use super::domain::Domain;
-use super::lanes::{Eight, LOBES, Lanes};
-use super::lobe::Lobe;
+use super::lanes::{Eight, Lanes};
+use super::lobe::{LOBES, Lobe};
 use crate::math::Vec2;
 use crate::math::rng::{BELOW_ONE, hash_all, hash64, unit_f32};
 use std::f32::consts::TAU;

@@ -7,8 +7,8 @@ mod lobe;
 mod mixture;
 
 pub use domain::Domain;
-pub use lanes::{LOBES, Lanes};
-pub use lobe::{Lobe, Prior, Statistics, maximise, positive};
+pub use lanes::Lanes;
+pub use lobe::{LOBES, Lobe, Prior, Statistics, maximise, positive};
 pub use mixture::Mixture;
 
 #[cfg(test)]

@@ -18,9 +18,10 @@
 
 use super::moments::Moments;
 use super::needles::{SHARE, needles};
+use super::prior::PRIOR;
 use super::{LocalModel, Neighbourhood, Query, Region};
 use crate::guide::bytes::{Reader, Writer};
-use crate::guide::gaussian::{Domain, LOBES, Lanes, Lobe, Mixture, Prior, Statistics, maximise};
+use crate::guide::gaussian::{Domain, LOBES, Lanes, Lobe, Mixture, Statistics, maximise};
 use crate::guide::record::{Deposit, Origin, TABLE_QUANTA};
 use crate::guide::tally::Table;
 use crate::math::equal_area::{CODE_LEVELS, DirectionCell};
@@ -29,13 +30,6 @@ use crate::math::{Frame, Vec2, Vec3};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// A lobe of a single record is one degree wide (standard deviation), and none is narrower than 0.3 degrees. (A
-/// spread of 2e-4 has 1.5 times the variance in a torus in glass, 5e-4 1.7 times; a least variance of 1e-7
-/// gains nothing.)
-pub(super) const PRIOR: Prior = Prior {
-    spread: 2e-5,
-    least_variance: 1.5e-6,
-};
 /// Keeps a record that all lobes find impossible from being lost.
 const TRACE: f32 = 1e-12;
 /// As many records' worth of the uniform distribution stand beside what a cell has met.

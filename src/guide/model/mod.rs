@@ -9,20 +9,24 @@
 //! batch they are shown to the models again and again, [`LocalModel::ITERATIONS`] times, and only what the
 //! last look found is kept.
 //!
-//! A new model is a file with an implementation of [`LocalModel`] and one line in [`local_models!`].
+//! A new model is a file with an implementation of [`LocalModel`], a variant of [`ModelKind`] and one line in
+//! [`local_models!`].
 
 mod accumulate;
 mod constant;
 mod gauss;
+mod kind;
 mod lobe;
 mod moments;
 mod needles;
+mod prior;
 mod vmf;
 
 pub(crate) use accumulate::{Batch, Look};
 use accumulate::{Slots, accumulate};
 pub(crate) use constant::Constant;
 pub(crate) use gauss::Gauss;
+pub use kind::ModelKind;
 pub(crate) use needles::LEVELS_UP;
 pub(crate) use vmf::Vmf;
 
@@ -33,7 +37,6 @@ use super::tally::{Table, Tally};
 use crate::math::equal_area::DirectionCell;
 use crate::math::{Frame, Vec2, Vec3};
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 
 /// The link a model lives on, as far as models care.
 #[derive(Clone, Copy, Debug)]
@@ -134,20 +137,14 @@ pub(crate) struct Traits {
 
 /// Generates the run-time choice between models: each entry is `Name => Type`.
 macro_rules! local_models {
-    ($(#[$doc:meta])* $first:ident => $first_model:ty $(, $(#[$docs:meta])* $kind:ident => $model:ty)* $(,)?) => {
-        /// Which local model a field uses.
-        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-        #[serde(rename_all = "kebab-case")]
-        pub enum ModelKind { $(#[$doc])* #[default] $first $(, $(#[$docs])* $kind)* }
-
+    ($($kind:ident => $model:ty),* $(,)?) => {
         impl ModelKind {
             /// Every kind, for tables and command lines.
-            pub const ALL: &'static [ModelKind] = &[ModelKind::$first $(, ModelKind::$kind)*];
+            pub const ALL: &'static [ModelKind] = &[$(ModelKind::$kind),*];
 
             pub(crate) fn traits(self) -> Traits {
                 match self {
-                    ModelKind::$first => traits::<$first_model>()
-                    $(, ModelKind::$kind => traits::<$model>())*
+                    $(ModelKind::$kind => traits::<$model>()),*
                 }
             }
         }
@@ -155,40 +152,33 @@ macro_rules! local_models {
         /// One model's training states, a link each.
         #[derive(Clone, Debug, PartialEq)]
         pub(crate) enum StatSet {
-            $first(Vec<<$first_model as LocalModel>::Stats>)
-            $(, $kind(Vec<<$model as LocalModel>::Stats>))*
+            $($kind(Vec<<$model as LocalModel>::Stats>)),*
         }
 
         impl StatSet {
             pub fn new(kind: ModelKind) -> Self {
                 match kind {
-                    ModelKind::$first => Self::$first(vec![Default::default()])
-                    $(, ModelKind::$kind => Self::$kind(vec![Default::default()]))*
+                    $(ModelKind::$kind => Self::$kind(vec![Default::default()])),*
                 }
             }
             pub fn accumulate(&mut self, batch: &Batch, order: &[u64], tallies: &mut [Tally], table: &mut [u32]) {
                 match self {
-                    Self::$first(stats) => accumulate::<$first_model>(batch, order, Slots { first: 0, tallies, table, stats })
-                    $(, Self::$kind(stats) => accumulate::<$model>(batch, order, Slots { first: 0, tallies, table, stats }))*
+                    $(Self::$kind(stats) => accumulate::<$model>(batch, order, Slots { first: 0, tallies, table, stats })),*
                 }
             }
             /// The link was divided: child 0 keeps the number, the others are appended.
             pub fn split(&mut self, link: u32, from: &Region, to: &[Region]) {
                 match self {
-                    Self::$first(stats) => split::<$first_model>(stats, link, from, to)
-                    $(, Self::$kind(stats) => split::<$model>(stats, link, from, to))*
+                    $(Self::$kind(stats) => split::<$model>(stats, link, from, to)),*
                 }
             }
             pub fn refit(&mut self, regions: &(dyn Fn(u32) -> Region + Sync), table: &[u32]) {
                 match self {
-                    Self::$first(stats) => refit::<$first_model>(stats, regions, table)
-                    $(, Self::$kind(stats) => refit::<$model>(stats, regions, table))*
+                    $(Self::$kind(stats) => refit::<$model>(stats, regions, table)),*
                 }
             }
             pub fn merge(&mut self, link: u32, other: &Self, other_link: u32) -> bool {
                 match (self, other) {
-                    (Self::$first(a), Self::$first(b)) =>
-                        <$first_model>::merge(&mut a[link as usize], &b[other_link as usize]),
                     $((Self::$kind(a), Self::$kind(b)) =>
                         <$model>::merge(&mut a[link as usize], &b[other_link as usize]),)*
                     #[allow(unreachable_patterns)]
@@ -197,42 +187,36 @@ macro_rules! local_models {
             }
             pub fn freeze(&self, links: &[u32], regions: &(dyn Fn(u32) -> Region + Sync), neighbourhoods: &dyn Fn() -> Vec<Neighbourhood>) -> FrozenSet {
                 match self {
-                    Self::$first(s) => FrozenSet::$first(freeze::<$first_model>(s, links, regions, neighbourhoods))
-                    $(, Self::$kind(s) => FrozenSet::$kind(freeze::<$model>(s, links, regions, neighbourhoods)))*
+                    $(Self::$kind(s) => FrozenSet::$kind(freeze::<$model>(s, links, regions, neighbourhoods))),*
                 }
             }
             pub fn write(&self, link: u32, out: &mut Writer) {
                 match self {
-                    Self::$first(s) => <$first_model>::write(&s[link as usize], out)
-                    $(, Self::$kind(s) => <$model>::write(&s[link as usize], out))*
+                    $(Self::$kind(s) => <$model>::write(&s[link as usize], out)),*
                 }
             }
             /// Reads the states of all links, which the file holds in the order `links`.
             pub fn read(kind: ModelKind, links: &[u32], input: &mut Reader) -> Option<Self> {
                 match kind {
-                    ModelKind::$first => read::<$first_model>(links, input).map(Self::$first)
-                    $(, ModelKind::$kind => read::<$model>(links, input).map(Self::$kind))*
+                    $(ModelKind::$kind => read::<$model>(links, input).map(Self::$kind)),*
                 }
             }
             /// Tries lobes where some may be missing.
             pub fn reseed(&mut self) {
                 match self {
-                    Self::$first(s) => s.par_iter_mut().for_each(<$first_model>::reseed)
-                    $(, Self::$kind(s) => s.par_iter_mut().for_each(<$model>::reseed))*
+                    $(Self::$kind(s) => s.par_iter_mut().for_each(<$model>::reseed)),*
                 }
             }
             /// Remembers what was trained.
             pub fn settle(&mut self) {
                 match self {
-                    Self::$first(s) => s.par_iter_mut().for_each(<$first_model>::settle)
-                    $(, Self::$kind(s) => s.par_iter_mut().for_each(<$model>::settle))*
+                    $(Self::$kind(s) => s.par_iter_mut().for_each(<$model>::settle)),*
                 }
             }
             /// Forgets what was trained and not settled.
             pub fn clear(&mut self) {
                 match self {
-                    Self::$first(s) => s.par_iter_mut().for_each(<$first_model>::clear)
-                    $(, Self::$kind(s) => s.par_iter_mut().for_each(<$model>::clear))*
+                    $(Self::$kind(s) => s.par_iter_mut().for_each(<$model>::clear)),*
                 }
             }
         }
@@ -240,29 +224,25 @@ macro_rules! local_models {
         /// One model's frozen forms.
         #[derive(Clone, Debug)]
         pub(crate) enum FrozenSet {
-            $first(Vec<<$first_model as LocalModel>::Frozen>)
-            $(, $kind(Vec<<$model as LocalModel>::Frozen>))*
+            $($kind(Vec<<$model as LocalModel>::Frozen>)),*
         }
 
         impl FrozenSet {
             #[inline]
             pub fn sample(&self, model: u32, q: DirectionCell, query: &Query, u: Vec2) -> Vec3 {
                 match self {
-                    Self::$first(m) => <$first_model>::sample(&m[model as usize], q, query, u)
-                    $(, Self::$kind(m) => <$model>::sample(&m[model as usize], q, query, u))*
+                    $(Self::$kind(m) => <$model>::sample(&m[model as usize], q, query, u)),*
                 }
             }
             #[inline]
             pub fn pdf(&self, model: u32, q: DirectionCell, query: &Query, w: Vec3) -> f32 {
                 match self {
-                    Self::$first(m) => <$first_model>::pdf(&m[model as usize], q, query, w)
-                    $(, Self::$kind(m) => <$model>::pdf(&m[model as usize], q, query, w))*
+                    $(Self::$kind(m) => <$model>::pdf(&m[model as usize], q, query, w)),*
                 }
             }
             pub fn bytes(&self) -> usize {
                 match self {
-                    Self::$first(m) => <$first_model>::bytes(m)
-                    $(, Self::$kind(m) => <$model>::bytes(m))*
+                    $(Self::$kind(m) => <$model>::bytes(m)),*
                 }
             }
         }
@@ -270,11 +250,8 @@ macro_rules! local_models {
 }
 
 local_models! {
-    /// Uniform over the link's direction cell: the paper's model.
     Constant => Constant,
-    /// A mixture of von Mises-Fisher lobes over the whole sphere, one a cell of R, with parallax.
     Vmf => Vmf,
-    /// A mixture of Gaussians over an equal-area map of the sphere, one a cell of R.
     Gauss => Gauss,
 }
 

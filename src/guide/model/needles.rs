@@ -9,7 +9,7 @@
 //! with a chance in proportion to weight over the root of the density, in a table of cells 1.8 degrees wide) was tried
 //! beside that: 0.90 of the torus's relative variance, but 1.12 of a kitchen's, in 1.05 times the time.
 
-use super::gauss::PRIOR;
+use super::prior::PRIOR;
 use crate::guide::gaussian::{Domain, LOBES, Lobe, Mixture, positive};
 use crate::math::Vec2;
 

@@ -2,13 +2,14 @@
 
 use super::importer::Importer;
 use super::params::Params;
+use super::role::Role;
 use super::sensors;
 use super::shapes::single;
 use super::sun_position::{self, DateAndPlace};
-use super::textures::Role;
 use super::value::{Dialect, Value};
 use crate::camera::FovAxis;
-use crate::image::file::{ImageFile, Level};
+use crate::image::file::ImageFile;
+use crate::image::header::Level;
 use crate::light::{Emitter, EnvironmentImage, SunSky};
 use crate::math::{DAffine3, DVec3, Rgb};
 use crate::scene::import::ImportError;
