@@ -18,6 +18,7 @@ pub mod field;
 pub mod field_args;
 pub mod finish;
 pub mod generate;
+pub mod help;
 pub mod identity;
 pub mod idle;
 pub mod info;

@@ -5,6 +5,7 @@
 
 use super::args::{Cli, Command, Preset, RenderArgs};
 use super::field_args::Guide;
+use super::help::grouped;
 use super::idle::Typed;
 use clap::parser::ValueSource;
 use clap::{ArgMatches, CommandFactory, FromArgMatches};
@@ -49,7 +50,7 @@ const fn settings(preset: Preset) -> Settings {
 impl Cli {
     /// Reads the command line. What is wrong with it is printed, and the program ends.
     pub fn read() -> Self {
-        let matches = with_plain_errors(Self::command()).get_matches();
+        let matches = grouped(with_plain_errors(Self::command())).get_matches();
         let mut cli = match Self::from_arg_matches(&matches) {
             Ok(cli) => cli,
             Err(e) => e.exit(),
