@@ -27,7 +27,6 @@ const CIRCULAR: &[&str] = &[
     "cli",
     "image",
     "integrate",
-    "light",
     "report",
     "scene",
     "texture",

@@ -3,12 +3,13 @@
 use super::EmitterShape;
 use super::cluster::Cluster;
 use super::exact::ExactArea;
-use super::leaf::{Leaf, Place};
+use super::incident::Place;
+use super::leaf::Leaf;
 use super::quad::Quad;
 use super::sphere::Sphere;
 use super::triangle::Triangle;
 use crate::accel::{ExactKind, ExactShape, Shape, TriangleMesh};
-use crate::math::rgb::selection_weight;
+use crate::math::rgb::{sanitized, selection_weight};
 use crate::math::{Frame, Mat3, Rgb, Vec2, Vec3};
 use crate::texture::{SurfacePoint, Texture};
 use std::f32::consts::{FRAC_1_PI, TAU};
@@ -26,12 +27,6 @@ pub(super) struct AreaEmitter {
     both_sides: bool,
     /// The leaf of each triangle, or of the exact shape; then those of the backs, if they glow.
     leaf_of: Vec<u32>,
-}
-
-/// A colour that light can have: channels that are negative, infinite or not numbers are 0.
-pub(super) fn sanitized(c: Rgb) -> Rgb {
-    let keep = |x: f32| if x.is_finite() && x > 0.0 { x } else { 0.0 };
-    Rgb::new(keep(c.x), keep(c.y), keep(c.z))
 }
 
 /// Places on a leaf at which a texture is looked up for the leaf's brightness.

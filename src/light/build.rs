@@ -1,6 +1,6 @@
 //! From emitters as a scene describes them to lights that can be sampled.
 
-use super::area::{AreaEmitter, cluster_of, sanitized};
+use super::area::{AreaEmitter, cluster_of};
 use super::cluster::Cluster;
 use super::distant::Distant;
 use super::emission::Sources;
@@ -12,6 +12,7 @@ use super::tree::LightTree;
 use super::{Emitter, EmitterId, EmitterShape, Lights, Local, sunsky};
 use crate::accel::Bounds;
 use crate::math::Rgb;
+use crate::math::rgb::sanitized;
 use std::sync::Arc;
 
 /// What has been gathered so far.

@@ -1,10 +1,10 @@
 //! Environment maps from files.
 
-use super::area::sanitized;
 use super::latlong::LatLong;
 use crate::image::decoded::DecodeLimit;
 use crate::image::file::{ImageFile, Level, Window};
 use crate::image::{Image, ImageError, PixelType};
+use crate::math::rgb::sanitized;
 use crate::math::{Affine3A, Mat3, Rgb};
 use std::f32::consts::PI;
 use std::mem::size_of;

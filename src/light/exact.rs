@@ -4,7 +4,7 @@
 //! `J = |det M| |M^-T n|`, so a uniform point of the unit shape has density `1 / (A J)` in the world.
 
 use super::cluster::Cluster;
-use super::leaf::{Incident, Place, at_distance, solid_angle_density};
+use super::incident::{Incident, Place, at_distance, solid_angle_density};
 use crate::accel::{ExactKind, ExactShape};
 use crate::math::warp::{concentric_disk, uniform_sphere};
 use crate::math::{Mat3, Vec2, Vec3};

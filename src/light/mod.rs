@@ -13,6 +13,7 @@ use crate::texture::SurfacePoint;
 
 mod area;
 mod beacon;
+mod beacons;
 mod blocks;
 mod build;
 mod cluster;
@@ -21,6 +22,7 @@ mod distant;
 mod emission;
 mod environment;
 mod exact;
+mod incident;
 mod latlong;
 mod leaf;
 mod point;

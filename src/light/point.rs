@@ -1,7 +1,7 @@
 //! A point that shines the same in all directions.
 
 use super::cluster::Cluster;
-use super::leaf::DeltaIncident;
+use super::incident::DeltaIncident;
 use crate::math::rgb::selection_weight;
 use crate::math::{Rgb, Vec3};
 

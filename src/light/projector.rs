@@ -4,7 +4,7 @@
 //! intensity in a direction at angle theta off the axis is `pi value scale / cos^3 theta`.
 
 use super::cluster::Cluster;
-use super::leaf::DeltaIncident;
+use super::incident::DeltaIncident;
 use super::point::incident_from;
 use crate::math::rgb::selection_weight;
 use crate::math::{Affine3A, Mat3, Rgb, Vec2, Vec3};

@@ -3,7 +3,7 @@
 //! otherwise uniformly over its area, which is cheaper and, far away, as good.
 
 use super::cluster::Cluster;
-use super::leaf::{Incident, Place, at_distance, solid_angle_density};
+use super::incident::{Incident, Place, at_distance, solid_angle_density};
 use super::triangle::unit_normal;
 use crate::math::special::arc_cosines;
 use crate::math::{Vec2, Vec3};

@@ -1,7 +1,7 @@
 //! A glowing sphere, sampled uniformly over the cone in which it is seen.
 
 use super::cluster::Cluster;
-use super::leaf::{Incident, Place};
+use super::incident::{Incident, Place};
 use crate::math::warp::{uniform_cone, uniform_cone_pdf, uniform_sphere};
 use crate::math::{Frame, Vec2, Vec3};
 use std::f32::consts::PI;

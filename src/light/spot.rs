@@ -1,7 +1,7 @@
 //! A point with a cone (Mitsuba 3's `spot`).
 
 use super::cluster::Cluster;
-use super::leaf::DeltaIncident;
+use super::incident::DeltaIncident;
 use super::point::incident_from;
 use crate::math::rgb::selection_weight;
 use crate::math::{Mat3, Rgb, Vec2, Vec3};

@@ -6,10 +6,10 @@
 //! see [`super::sun`].
 
 use super::SunSky;
-use super::area::sanitized;
 use super::distant::{Distant, Sun};
 use super::latlong::LatLong;
 use super::sun;
+use crate::math::rgb::sanitized;
 use crate::math::{Affine3A, Mat3, Rgb, Vec3};
 use hw_skymodel::rgb::{Channel, SkyParams, SkyState};
 use rayon::prelude::*;

@@ -1,7 +1,7 @@
 //! A glowing triangle, sampled uniformly over its area.
 
 use super::cluster::Cluster;
-use super::leaf::{Incident, Place, at_distance};
+use super::incident::{Incident, Place, at_distance, solid_angle_density};
 use crate::math::warp::uniform_triangle;
 use crate::math::{Vec2, Vec3};
 
@@ -61,7 +61,7 @@ impl Triangle {
         if self.normal.dot(p - self.corner) <= 0.0 {
             return 0.0;
         }
-        super::leaf::solid_angle_density(p, q, self.normal, 1.0 / self.area)
+        solid_angle_density(p, q, self.normal, 1.0 / self.area)
     }
 }
 

@@ -22,3 +22,9 @@ pub fn luminance(c: Rgb) -> f32 {
 pub fn selection_weight(c: Rgb) -> f32 {
     luminance(c).max(0.0) + 1e-6 * c.max_element().max(0.0)
 }
+
+/// A colour that light can have: channels that are negative, infinite or not numbers are 0.
+pub fn sanitized(c: Rgb) -> Rgb {
+    let keep = |x: f32| if x.is_finite() && x > 0.0 { x } else { 0.0 };
+    Rgb::new(keep(c.x), keep(c.y), keep(c.z))
+}
