@@ -25,11 +25,9 @@ const ORDER: [&[&str]; 9] = [
 const CIRCULAR: &[&str] = &[
     "accel",
     "cli",
-    "image",
     "integrate",
     "report",
     "scene",
-    "texture",
 ];
 
 /// Modules by path below the crate ("integrate::wave"), with what they import.

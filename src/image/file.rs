@@ -1,66 +1,14 @@
-//! Image files opened for reading: what they promise, and their rows.
+//! Image files opened for reading.
 
 use super::decoded::DecodeLimit;
+use super::header::{Header, Level};
 #[cfg(feature = "oiio")]
 use super::oiio::input::Input;
 #[cfg(not(feature = "oiio"))]
 use super::openexr::Input;
-use super::{Attribute, Channel, Image, ImageError, PixelType, foreign, promise};
+use super::{Image, ImageError, PixelType, foreign, promise};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-
-/// Size of an image or of one of its mip levels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Level {
-    /// Width in pixels, > 0.
-    pub width: u32,
-    /// Height in pixels, > 0.
-    pub height: u32,
-}
-
-/// Where the pixels of a file lie in the picture that they are a part of (OpenEXR's data window in
-/// its display window).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Window {
-    /// Column and row of the picture at which the pixels begin; negative beyond its edges.
-    pub at: [i32; 2],
-    /// Size of the picture.
-    pub whole: Level,
-}
-
-impl Window {
-    /// The window, unless it is the same as the pixels' own.
-    pub fn of(pixels: Level, at: [i32; 2], whole: Level) -> Option<Self> {
-        let same = at == [0, 0] && whole == pixels;
-        (!same && whole.width > 0 && whole.height > 0).then_some(Self { at, whole })
-    }
-}
-
-/// What a file says about an image in it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Header {
-    /// Size.
-    pub level: Level,
-    /// Where that lies in the picture, if it is not all of it.
-    pub window: Option<Window>,
-    /// Channels, at least one.
-    pub channels: Vec<Channel>,
-    /// The widest of the channels' types. Types that are none of ours are read as [`PixelType::Float`].
-    pub pixel_type: PixelType,
-    /// Height of its tiles; 0 for scan lines.
-    pub tile_height: u32,
-    /// Metadata.
-    pub attributes: Vec<Attribute>,
-    /// The format's name, such as `openexr` or `png`.
-    pub format: String,
-}
-
-impl Header {
-    /// Numbers in the whole image, once it is clear that a file of `file_bytes` can hold them.
-    fn numbers(&self, file_bytes: u64) -> Result<usize, String> {
-        promise::numbers(self.level, self.channels.len(), file_bytes)
-    }
-}
 
 /// An image file, open for reading.
 #[derive(Debug)]
@@ -85,7 +33,7 @@ impl ImageFile {
         promise::check_exr(path, meta.len()).map_err(unreadable)?;
         let input = Input::open(path).map_err(unreadable)?;
         let header = input.header().map_err(unreadable)?;
-        header.numbers(meta.len()).map_err(unreadable)?;
+        numbers(&header, meta.len()).map_err(unreadable)?;
         Ok(Self {
             path: path.to_owned(),
             input,
@@ -124,7 +72,7 @@ impl ImageFile {
                 if found {
                     self.header = self.input.header()?;
                     let size = std::fs::metadata(&self.path).map_or(0, |m| m.len());
-                    self.header.numbers(size)?;
+                    numbers(&self.header, size)?;
                 }
                 Ok(found)
             })
@@ -164,10 +112,8 @@ impl ImageFile {
         } = self.header.clone();
         let n = channels.len();
         let file_bytes = std::fs::metadata(&self.path).map_or(0, |m| m.len());
-        let numbers = self
-            .header
-            .numbers(file_bytes)
-            .map_err(|e| ImageError::new(&self.path, e))?;
+        let numbers =
+            numbers(&self.header, file_bytes).map_err(|e| ImageError::new(&self.path, e))?;
         // Zeroed memory is not real memory until it is written: a file that is cut short costs little.
         let mut pixels = vec![0.0f32; numbers];
         let row = level.width as usize * n;
@@ -185,6 +131,11 @@ impl ImageFile {
             attributes: self.header.attributes.clone(),
         })
     }
+}
+
+/// Numbers in the whole image, once it is clear that a file of `file_bytes` can hold them.
+fn numbers(header: &Header, file_bytes: u64) -> Result<usize, String> {
+    promise::numbers(header.level, header.channels.len(), file_bytes)
 }
 
 /// Reads the first part of an image file: all its channels as stored, converted to `f32`.

@@ -17,6 +17,7 @@ pub mod curve;
 pub mod decoded;
 pub mod file;
 pub mod foreign;
+pub mod header;
 pub mod mapped;
 pub mod metrics;
 #[cfg(feature = "oiio")]
@@ -30,9 +31,11 @@ pub mod spill;
 #[cfg(test)]
 mod tests;
 mod write;
+mod write_options;
 
 pub use file::{read, read_linear};
-pub use write::{Compression, Format, WriteOptions, write};
+pub use write::{Format, write};
+pub use write_options::{Compression, WriteOptions};
 
 use std::path::Path;
 

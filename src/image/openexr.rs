@@ -176,7 +176,7 @@ fn to_exr(value: &AttributeValue) -> Option<ExrValue> {
 mod reading {
     use super::*;
     use crate::image::Channel;
-    use crate::image::file::{Header, Level, Window};
+    use crate::image::header::{Header, Level, Window};
     use std::ops::Range;
     use std::path::PathBuf;
 

@@ -1,6 +1,6 @@
 //! What a file's header promises, held against the file's size before anything is allocated for it.
 
-use super::file::Level;
+use super::header::Level;
 use exr::meta::MetaData;
 use std::io::{BufRead, BufReader, Read, Seek};
 use std::path::Path;

@@ -2,7 +2,8 @@
 
 use super::latlong::LatLong;
 use crate::image::decoded::DecodeLimit;
-use crate::image::file::{ImageFile, Level, Window};
+use crate::image::file::ImageFile;
+use crate::image::header::{Level, Window};
 use crate::image::{Image, ImageError, PixelType};
 use crate::math::rgb::sanitized;
 use crate::math::{Affine3A, Mat3, Rgb};

@@ -9,47 +9,13 @@
 //! Row 0 of an image lies at v = 0, as in Mitsuba 3 and glTF: loaders of formats whose v points up
 //! (OBJ) turn v around when they read the mesh.
 
-#[cfg(feature = "oiio")]
-use super::cached::Cached;
-use super::load::Survey;
 use super::place::{direction, level, nearest, neighbours};
-use super::pyramid::{Half, Pyramid, Texel};
+use super::pyramid::{Pyramid, Texel};
+use super::texels::{Source, Texels};
 use super::{BitmapSettings, Filter, SurfacePoint};
-use crate::image::file::{Level, Window};
+use crate::image::header::Level;
 use crate::math::{Rgb, Vec2, luminance};
 use std::sync::Arc;
-
-/// Where texels come from.
-#[derive(Debug)]
-pub(super) enum Source {
-    /// 8-bit colours.
-    Rgb8(Pyramid<u8, 3>),
-    /// 8-bit grey.
-    Grey8(Pyramid<u8, 1>),
-    /// Half float colours.
-    RgbHalf(Pyramid<Half, 3>),
-    /// Half float grey.
-    GreyHalf(Pyramid<Half, 1>),
-    /// Float colours.
-    RgbFloat(Pyramid<f32, 3>),
-    /// Float grey.
-    GreyFloat(Pyramid<f32, 1>),
-    /// OpenImageIO's cache.
-    #[cfg(feature = "oiio")]
-    Cached(Cached),
-}
-
-/// The texels of a file, made linear: what textures with different placements share.
-#[derive(Debug)]
-pub(super) struct Texels {
-    pub source: Source,
-    pub size: Level,
-    pub levels: usize,
-    pub grey: bool,
-    pub survey: Survey,
-    pub window: Option<Window>,
-    pub bytes: usize,
-}
 
 /// An image texture, opened.
 pub struct Bitmap {

@@ -1,13 +1,16 @@
 //! Opening an image for texturing: which channels, which curve, in memory or in the cache.
 
 use super::BitmapSettings;
-use super::bitmap::{Source, Texels};
 use super::curve::{Cleaner, Curve};
 use super::pyramid::{Half, Pyramid, Texel};
 use super::storage::Storage;
-use crate::image::file::{ImageFile, Level, Window};
+use super::survey::Census;
+#[cfg(feature = "oiio")]
+use super::survey::Survey;
+use super::texels::{Source, Texels};
+use crate::image::file::ImageFile;
+use crate::image::header::Window;
 use crate::image::{ImageError, PixelType, color_channels};
-use crate::math::Rgb;
 use bytemuck::Pod;
 use std::path::PathBuf;
 
@@ -24,25 +27,6 @@ pub(super) struct Plan {
     /// Where the file's pixels lie in a larger picture, or a smaller one.
     pub window: Option<Window>,
     path: PathBuf,
-}
-
-/// What reading the finest level brings to light, apart from the texels.
-#[derive(Default)]
-struct Census {
-    sum: [f64; 3],
-    largest: f32,
-    bad: u64,
-}
-
-/// The same, summed up.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Survey {
-    /// Mean of all texels.
-    pub mean: Rgb,
-    /// The largest number of any channel; 0 if all are negative.
-    pub largest: f32,
-    /// Texels that held something else than a value.
-    pub bad: u64,
 }
 
 impl Plan {
@@ -272,33 +256,6 @@ fn cannot_store(path: &std::path::Path, e: std::io::Error) -> ImageError {
         path,
         format!("its texels do not fit into memory, and cannot be put on disk: {e}"),
     )
-}
-
-impl Census {
-    fn add(&mut self, texel: &[f32]) {
-        for (sum, x) in self.sum.iter_mut().zip(texel) {
-            *sum += f64::from(*x);
-            self.largest = self.largest.max(*x);
-        }
-    }
-
-    fn summary(&self, size: Level, grey: bool) -> Survey {
-        Survey {
-            mean: self.mean(size, grey),
-            largest: self.largest,
-            bad: self.bad,
-        }
-    }
-
-    fn mean(&self, size: Level, grey: bool) -> Rgb {
-        let n = f64::from(size.width) * f64::from(size.height);
-        let [r, g, b] = self.sum.map(|s| (s / n) as f32);
-        if grey {
-            Rgb::splat(r)
-        } else {
-            Rgb::new(r, g, b)
-        }
-    }
 }
 
 fn described<T: Texel, const N: usize>(

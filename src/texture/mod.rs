@@ -11,8 +11,12 @@ mod pyramid;
 mod reads;
 mod storage;
 mod store;
+mod survey;
 #[cfg(test)]
 mod tests;
+mod texels;
+#[cfg(feature = "oiio")]
+mod tiled;
 
 pub use bitmap::Bitmap;
 pub use pattern::{Checkerboard, Grid};

@@ -7,7 +7,7 @@
 
 use super::curve::Cleaner;
 use super::storage::Storage;
-use crate::image::file::Level;
+use crate::image::header::Level;
 use bytemuck::{Pod, Zeroable};
 use half::f16;
 

@@ -8,8 +8,9 @@
 //! level; the cache's coarser levels are those of the file, or made by OpenImageIO. Which way an image
 //! goes depends on the order of opening: whoever wants the same bits opens in the same order.
 
-use super::bitmap::{Bitmap, Texels};
+use super::bitmap::Bitmap;
 use super::load::Plan;
+use super::texels::Texels;
 use super::{BitmapSettings, Texture};
 use crate::image::ImageError;
 use crate::image::decoded::DecodeLimit;
@@ -199,7 +200,7 @@ impl TextureStore {
             .get_or_init(|| TextureSystem::new(self.budget / 4).map(Arc::new))
             .clone()
             .map_err(|e| ImageError::new(&settings.path, e))?;
-        super::cached::open(plan, cache, &settings.path)
+        super::tiled::open(plan, cache, &settings.path)
     }
 }
 

@@ -7,7 +7,7 @@
 //! a little less than 0.999 where light is hard to find.
 
 use super::Pair;
-use super::blocks::{self, KnownNoise};
+use super::blocks::{self, KnownNoise, rounding_of};
 use crate::math::Rgb;
 
 /// Half-width of the band that holds 99.9 % of the standard normal distribution.
@@ -65,11 +65,4 @@ pub fn ztest(pair: &Pair, known: [&KnownNoise; 2]) -> Option<ZTest> {
         of_mean: sums.map(|(difference, variance): (f64, f64)| difference / variance.sqrt()),
         deviations: SCALES.map(|side| blocks::deviation(pair, known, side)),
     })
-}
-
-/// Variance of the rounding of a picture's numbers, relative to their squares.
-pub(super) fn rounding_of(pixels: &[Rgb]) -> f64 {
-    let is_half = |x: f32| half::f16::from_f32(x).to_f32() == x;
-    let halves = pixels.iter().all(|p| p.to_array().into_iter().all(is_half));
-    if halves { 2f64.powi(-22) / 3.0 } else { 0.0 }
 }

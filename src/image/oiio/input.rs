@@ -1,7 +1,7 @@
 //! Reading through OpenImageIO's `ImageInput`.
 
 use super::{Reason, c_path, copied, ffi, type_number};
-use crate::image::file::{Header, Level, Window};
+use crate::image::header::{Header, Level, Window};
 use crate::image::{Attribute, AttributeValue, Channel, PixelType};
 use std::path::Path;
 use std::ptr::{self, NonNull};
