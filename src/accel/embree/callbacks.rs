@@ -3,7 +3,7 @@
 //! Packets arrive as structures of arrays whose length `N` is known at run time only. Field `f` of lane
 //! `i` is the 32-bit word `f * N + i`, as the inline functions of `rtcore_ray.h` have it.
 
-use super::geometry::Numbers;
+use super::numbers::Numbers;
 use super::sys::*;
 use crate::accel::{ExactShape, Opacity, mask};
 use crate::math::Vec3;

@@ -22,6 +22,7 @@
 mod callbacks;
 mod device;
 mod geometry;
+mod numbers;
 mod packet;
 mod single;
 #[allow(clippy::upper_case_acronyms)]

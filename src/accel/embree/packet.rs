@@ -2,7 +2,7 @@
 //!
 //! Every batch is traced by the 16-wide call, the last packet with lanes that stand aside.
 
-use super::geometry::Numbers;
+use super::numbers::Numbers;
 use super::sys::*;
 use crate::accel::{Hit, Ray};
 use crate::math::Vec3;

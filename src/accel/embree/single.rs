@@ -1,6 +1,6 @@
 //! Rays one by one.
 
-use super::geometry::Numbers;
+use super::numbers::Numbers;
 use super::sys::*;
 use crate::accel::{Hit, Ray};
 

@@ -8,6 +8,7 @@
 //! | `walk` | which leaves a ray meets, without losing one to rounding |
 //! | `woop` | a ray and a triangle, watertight |
 
+mod item;
 mod plan;
 mod tree;
 mod walk;

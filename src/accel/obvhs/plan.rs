@@ -1,6 +1,6 @@
 //! From geometry to the boxes that a tree is built over.
 
-use super::tree::Item;
+use super::item::Item;
 use crate::accel::{Bounds, BuildQuality, ExactShape, LARGEST, TriangleMesh};
 use crate::math::Vec3;
 use crate::math::rng::hash_all;

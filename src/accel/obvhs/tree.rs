@@ -1,37 +1,12 @@
 //! One tree over everything that stands in one space: triangles of all meshes, exact shapes, instances.
 
+use super::item::Item;
 use super::plan::{Built, Plan, params};
 use super::walk::{BoxRay, Next, walk};
 use super::woop::ShearedRay;
 use crate::accel::{Bounds, BuildSettings, Geometry, Shape};
 use crate::math::Vec3;
 use obvhs::cwbvh::CwBvh;
-
-/// What a leaf holds.
-#[derive(Clone, Copy, Debug)]
-pub enum Item {
-    /// Triangle `prim` of part `part`.
-    Triangle {
-        /// Index into the tree's parts.
-        part: u32,
-        /// Index into the mesh.
-        prim: u32,
-    },
-    /// The exact shape of a part.
-    Exact {
-        /// Index into the tree's parts.
-        part: u32,
-    },
-    /// An instance, by its index in the world.
-    Instance(u32),
-    /// Several items that share one box: so many from there on in the tree's list of bundled ones.
-    Bundle {
-        /// The first.
-        start: u32,
-        /// How many.
-        count: u32,
-    },
-}
 
 /// A geometry of the tree.
 pub struct Part {
