@@ -8,7 +8,7 @@ use crate::accel::{Backend, BuildQuality, BuildSettings};
 use crate::image::decoded::DecodeLimit;
 use crate::image::foreign;
 use crate::light::{Emitter, EnvironmentImage, Lights};
-use crate::report::scene::{TextureTotals, triangles};
+use crate::report::totals::{TextureTotals, triangles};
 use crate::report::words;
 use crate::scene::fingerprint::fingerprint;
 use crate::scene::import::models::{self, ModelKind, ModelOptions, ModelSource};

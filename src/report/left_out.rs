@@ -1,6 +1,6 @@
 //! What a scene does without, and what that saves: part of `twintree info`.
 
-use super::scene::{TextureTotals, meshes_of};
+use super::totals::{TextureTotals, meshes_of};
 use super::words;
 use crate::light::Emitter;
 use crate::scene::spare::Trimmed;

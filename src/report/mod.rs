@@ -12,6 +12,7 @@ pub mod stats;
 pub mod sweep;
 pub mod table;
 pub mod table1;
+pub mod totals;
 pub mod words;
 
 /// Indented JSON with a line's end. Numbers that are not finite become `null`.

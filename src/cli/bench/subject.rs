@@ -32,8 +32,8 @@ impl Subject {
         let named = load::Input::of(args)?;
         let mut description = load::load_unlit(args, &named)?.description;
         let world = world_of(&description, &description.materials);
-        let triangles = crate::report::scene::triangles(&description);
-        let geometry_bytes = crate::report::scene::geometry_bytes(&description);
+        let triangles = crate::report::totals::triangles(&description);
+        let geometry_bytes = crate::report::totals::geometry_bytes(&description);
         let settings = BuildSettings {
             robust: true,
             threads: threads::count(),

@@ -6,8 +6,8 @@
 //! plans begin with what is simple.
 
 use super::Sweep;
-use super::analysis::Finding;
 use super::curve::Curve;
+use super::finding::Finding;
 use serde::Serialize;
 
 /// Purposes, and the noise that each may have.

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | this one | what was measured, as it is kept |
 //! | [`curve`] | error over time: of a run, and the median of several |
+//! | [`finding`] | what each configuration came to, and how it compares with the first |
 //! | [`analysis`] | which configurations are better, and whether that is certain |
 //! | [`advice`] | what to use for a draft, a normal and a final render |
 //! | [`plot`] | curves drawn as SVG |
@@ -14,6 +15,7 @@
 pub mod advice;
 pub mod analysis;
 pub mod curve;
+pub mod finding;
 mod html;
 pub mod page;
 pub mod pictures;

@@ -78,7 +78,7 @@ impl Pictures {
 
 fn names(sweep: &Sweep, findings: &Findings) -> Vec<String> {
     let by_error =
-        |a: &&super::analysis::Finding, b: &&super::analysis::Finding| a.error.total_cmp(&b.error);
+        |a: &&super::finding::Finding, b: &&super::finding::Finding| a.error.total_cmp(&b.error);
     let all = || findings.configurations.iter();
     let first = sweep.setting.configurations.iter().take(1).map(|c| &c.name);
     let unguided = all().filter(|f| f.name == "guide-none").map(|f| &f.name);

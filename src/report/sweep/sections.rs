@@ -1,7 +1,8 @@
 //! Sections of the page: curves, what each setting does, tables.
 
 use super::Sweep;
-use super::analysis::{Finding, Findings, FrontPoint, Speed};
+use super::analysis::{Findings, FrontPoint};
+use super::finding::{Finding, Speed};
 use super::html::{escape, table};
 use super::plot::{BASE, FAINT, LINES, Line, log_log};
 use crate::report::table::number;
