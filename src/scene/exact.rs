@@ -1,6 +1,6 @@
 //! Points of exact shapes.
 
-use super::surface::{normal_to_world, transform_error};
+use super::transform::{normal_to_world, transform_error};
 use crate::accel::{ExactKind, ExactShape, Hit};
 use crate::math::{Frame, Vec2, Vec3};
 use crate::texture::SurfacePoint;
@@ -60,8 +60,9 @@ fn unit_point(kind: ExactKind, q: Vec3) -> UnitPoint {
     }
 }
 
-/// Bound on the change of a curved unit shape's normal: the unit sphere's second fundamental form is
-/// the identity, so the normal changes as the position does.
+/// The point where a ray met an exact shape at the world position `met`. The second fundamental form of
+/// the unit sphere is the identity: its normal changes as the position does. A cylinder's does so along
+/// u alone, and the normals of flat shapes do not change.
 pub(super) fn exact_point<'a>(
     shape: &ExactShape,
     flip: bool,

@@ -9,6 +9,7 @@ pub mod import;
 pub mod precautions;
 pub mod spare;
 pub mod surface;
+mod transform;
 mod turning;
 
 pub use build::{Scene, lights_of};

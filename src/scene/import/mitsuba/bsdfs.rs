@@ -3,7 +3,8 @@
 use super::importer::Importer;
 use super::names;
 use super::params::Params;
-use super::textures::{Role, TOO_LARGE, times};
+use super::role::Role;
+use super::textures::{TOO_LARGE, times};
 use super::value::{Dialect, Value};
 use crate::bsdf::material::{
     Distribution, Principled, PrincipledThin, Roughness, WardVariant, white,

@@ -2,7 +2,7 @@
 
 use super::importer::Importer;
 use super::params::Params;
-use super::textures::Role;
+use super::role::Role;
 use super::value;
 use crate::bsdf::material::Turning;
 use crate::bsdf::{Material, MaterialId};

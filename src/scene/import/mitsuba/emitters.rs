@@ -2,10 +2,10 @@
 
 use super::importer::Importer;
 use super::params::Params;
+use super::role::Role;
 use super::sensors;
 use super::shapes::single;
 use super::sun_position::{self, DateAndPlace};
-use super::textures::Role;
 use super::value::{Dialect, Value};
 use crate::camera::FovAxis;
 use crate::image::file::ImageFile;

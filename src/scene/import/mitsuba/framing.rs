@@ -1,7 +1,7 @@
 //! A camera for scenes that have none: it looks at all of the scene from the front, a little from above.
 
 use super::films::default_film;
-use super::sensors::Sensor;
+use super::pending::Sensor;
 use crate::camera::{CameraDescription, FovAxis, Projection};
 use crate::math::{DAffine3, DVec3};
 use crate::scene::Shape;

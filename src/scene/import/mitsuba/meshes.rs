@@ -4,37 +4,14 @@
 //! missing the error lists them all.
 
 use super::importer::Importer;
-use super::shapes::{PendingGeometry, PendingShape};
-use super::xml::At;
+use super::pending::{PendingGeometry, PendingShape, Request};
 use crate::light::Emitter;
 use crate::scene::import::ImportError;
-use crate::scene::import::mesh::{Loaded, MeshKind, MeshOptions};
+use crate::scene::import::mesh::Loaded;
 use crate::scene::{Geometry, Mesh, Shape};
 use rayon::prelude::*;
 use std::collections::HashMap;
-use std::path::PathBuf;
 use std::sync::Arc;
-
-/// A mesh file that a shape asks for.
-#[derive(Clone, Debug)]
-pub(super) struct Request {
-    pub path: PathBuf,
-    pub kind: MeshKind,
-    pub options: MeshOptions,
-    /// Where the shape names the file.
-    pub at: At,
-}
-
-impl Request {
-    /// What two requests share when they are for the same mesh: everything but the place.
-    fn key(&self) -> (PathBuf, String) {
-        // `f64` in the options has no `Hash`; its shortest text that reads back the same stands for it.
-        (
-            self.path.clone(),
-            format!("{:?} {:?}", self.kind, self.options),
-        )
-    }
-}
 
 /// Loads what the pending shapes ask for and makes shapes of them. What is missing or bad is told,
 /// and the shapes are left out.

@@ -1,7 +1,7 @@
 //! Mitsuba's scene files: XML of the 0.4 to 0.6 kind and of the 2.x and 3.x kind.
 //!
 //! ```text
-//!  text --xml--> elements --reader--> Document (objects, parameters) --importer--> Description
+//!  text --xml--> elements --reader--> Document (objects, parameters) --walk--> Description
 //!                            |                                           |
 //!               defines, transforms, values,            shapes, bsdfs, textures, emitters,
 //!               includes, references                    sensors, integrators, meshes
@@ -30,14 +30,17 @@ mod meshes;
 mod names;
 mod origin;
 mod params;
+mod pending;
 mod reader;
 mod references;
+mod role;
 mod sensors;
 mod shapes;
 mod sun_position;
 mod textures;
 mod transform;
 mod value;
+mod walk;
 mod xml;
 
 #[cfg(test)]
@@ -55,5 +58,5 @@ use std::path::Path;
 /// on with.
 pub fn load(path: &Path, options: &ImportOptions) -> Result<Description, ImportError> {
     let document = reader::read(path, &options.defines)?;
-    importer::import(&document, options)
+    walk::import(&document, options)
 }

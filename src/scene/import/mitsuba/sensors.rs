@@ -3,21 +3,11 @@
 use super::films::default_film;
 use super::importer::Importer;
 use super::params::Params;
+use super::pending::Sensor;
 use crate::camera::{CameraDescription, FovAxis, Projection};
-use crate::film::FilmDescription;
 use crate::math::DAffine3;
 use crate::scene::description::SamplerKind;
 use crate::scene::import::ImportError;
-
-/// A sensor with everything inside it.
-#[derive(Clone, Debug)]
-pub(super) struct Sensor {
-    pub camera: CameraDescription,
-    pub film: FilmDescription,
-    /// Samples a pixel, where the scene says.
-    pub spp: Option<u32>,
-    pub sampler: SamplerKind,
-}
 
 impl<'a> Importer<'a> {
     /// The sensor that object `index` describes.

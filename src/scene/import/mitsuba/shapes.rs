@@ -1,11 +1,10 @@
 //! Shapes: mesh files, exact shapes, the cube, groups and their instances.
 
 use super::importer::Importer;
-use super::meshes::Request;
 use super::params::Params;
-use super::textures::Role;
+use super::pending::{PendingGeometry, PendingShape, Request};
+use super::role::Role;
 use crate::accel::{ExactKind, ExactShape, TriangleMesh};
-use crate::bsdf::MaterialId;
 use crate::math::{Affine3A, DAffine3, DVec3, Vec2};
 use crate::scene::import::ImportError;
 use crate::scene::import::mesh::{MeshKind, MeshOptions};
@@ -13,23 +12,6 @@ use crate::scene::{Geometry, Mesh};
 use crate::texture::Texture;
 use glam::DMat3;
 use std::sync::Arc;
-
-/// A shape whose mesh may not have been loaded yet.
-pub(super) struct PendingShape {
-    pub name: String,
-    pub geometry: PendingGeometry,
-    pub material: MaterialId,
-    /// What it emits, if it glows.
-    pub radiance: Option<Texture>,
-    pub flip_normals: bool,
-    pub group: Option<u32>,
-}
-
-/// What a pending shape is made of.
-pub(super) enum PendingGeometry {
-    Ready(Geometry),
-    File(Request),
-}
 
 impl<'a> Importer<'a> {
     /// Imports the shape that object `index` describes, into a group or the world.

@@ -2,33 +2,13 @@
 
 use super::importer::Importer;
 use super::params::Params;
+use super::role::Role;
 use super::value::{self, Color, Dialect, Value};
 use crate::math::{DAffine3, Rgb};
 use crate::scene::import::ImportError;
-use crate::scene::import::spectrum::Weighting;
 use crate::texture::{BitmapSettings, Checkerboard, Filter, Grid, Texture, UvTransform, Wrap};
 use glam::{Affine2, Mat2, Vec2};
 use std::sync::Arc;
-
-/// What a colour is for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Role {
-    /// A factor on scattered light: each channel in `[0, 1]`.
-    Reflectance,
-    /// Any number: an index of refraction, a roughness, a displacement.
-    Number,
-    /// Light.
-    Light,
-}
-
-impl Role {
-    fn weighting(self) -> Weighting {
-        match self {
-            Role::Light => Weighting::Emission,
-            Role::Reflectance | Role::Number => Weighting::Reflectance,
-        }
-    }
-}
 
 /// Textures that one may be made of. Thirty that each hold the next one twice would be 2^30.
 const MOST_TEXTURES: usize = 256;

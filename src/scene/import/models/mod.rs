@@ -6,13 +6,14 @@
 
 mod colors;
 mod mtl;
+mod numbers;
 pub mod palette;
 mod source;
 #[cfg(test)]
 mod tests;
 
+pub(super) use numbers::numbers;
 pub use source::ModelSource;
-pub(super) use source::numbers;
 
 use super::gltf::{self, GltfOptions};
 use super::mesh::{self, FACE_MATERIAL, Loaded, MeshKind, MeshOptions};

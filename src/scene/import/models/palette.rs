@@ -1,7 +1,7 @@
 //! Materials by name, for models that bring none: `clay`, `gold`, `plastic:0.8,0.1,0.1`.
 
 use super::linear;
-use super::source::numbers;
+use super::numbers::numbers;
 use crate::bsdf::material::{Distribution, Principled, Roughness, white};
 use crate::bsdf::{Material, MaterialId, Materials};
 use crate::math::Rgb;

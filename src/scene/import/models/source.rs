@@ -1,5 +1,6 @@
 //! A model as the command line names it: `file@translate=1,0,0;rotate=y,90;scale=2;material=gold`.
 
+use super::numbers::numbers;
 use super::palette::Paint;
 use crate::math::{DAffine3, DVec3};
 use std::path::PathBuf;
@@ -85,12 +86,6 @@ impl FromStr for ModelSource {
         }
         Ok(source)
     }
-}
-
-/// Finite numbers between commas.
-pub(in crate::scene::import) fn numbers(value: &str) -> Option<Vec<f64>> {
-    let parse = |t: &str| t.trim().parse().ok().filter(|x: &f64| x.is_finite());
-    value.split(',').map(parse).collect()
 }
 
 fn triple(step: &str, value: &str) -> Result<DVec3, String> {
