@@ -21,9 +21,6 @@ const ORDER: [&[&str]; 9] = [
     &["math"],
 ];
 
-/// Folders in which there still are circles.
-const CIRCULAR: &[&str] = &["cli"];
-
 /// Modules by path below the crate ("integrate::wave"), with what they import.
 type Graph = BTreeMap<String, BTreeSet<String>>;
 
@@ -62,8 +59,7 @@ fn no_modules_import_each_other_in_a_circle() {
             .copied()
             .filter(|m| reach[m].contains(module))
             .collect();
-        let known = CIRCULAR.contains(&module.split("::").next().unwrap());
-        if !circle.is_empty() && !known {
+        if !circle.is_empty() {
             circles.insert(circle);
         }
     }
@@ -167,7 +163,7 @@ impl Found {
     }
 
     /// The path from the crate's root; none for one that begins with another crate.
-    fn from_root(&self, path: &[String]) -> Option<Vec<String>> {
+    fn absolute(&self, path: &[String]) -> Option<Vec<String>> {
         let mut base = [&self.module[..], &self.inner].concat();
         let mut rest = path;
         match rest.first()?.as_str() {
@@ -201,7 +197,11 @@ impl Found {
             UseTree::Glob(_) => self.add(before, None, is_public),
             UseTree::Name(n) => {
                 let name = n.ident.to_string();
-                self.add(&[before, &[name.clone()]].concat(), Some(name), is_public)
+                self.add(
+                    &[before, std::slice::from_ref(&name)].concat(),
+                    Some(name),
+                    is_public,
+                )
             }
             UseTree::Rename(r) => {
                 let path = [before, &[r.ident.to_string()]].concat();
@@ -214,7 +214,7 @@ impl Found {
         // `use child::Name` names a module of one's own.
         let own = || [&["self".to_owned()], path].concat();
         let is_relative = !matches!(path[0].as_str(), "crate" | "self" | "super");
-        let Some(full) = self.from_root(&if is_relative { own() } else { path.to_vec() }) else {
+        let Some(full) = self.absolute(&if is_relative { own() } else { path.to_vec() }) else {
             return;
         };
         if let (true, Some(name)) = (is_public, name) {
@@ -278,7 +278,7 @@ impl<'a> Visit<'a> for Found {
 
     fn visit_path(&mut self, path: &'a syn::Path) {
         let segments: Vec<String> = path.segments.iter().map(|s| s.ident.to_string()).collect();
-        if let Some(full) = self.from_root(&segments).filter(|_| segments.len() > 1) {
+        if let Some(full) = self.absolute(&segments).filter(|_| segments.len() > 1) {
             self.used.push(full);
         }
         visit::visit_path(self, path);

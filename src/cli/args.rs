@@ -1,13 +1,16 @@
 //! What can be typed: the single source of parsing and of `--help`.
 
 use super::field_args::{FieldArgs, GuideArgs, MergeFieldsArgs, TrainArgs};
+use super::file_args::FileArgs;
+use super::light_args::LightArgs;
 use super::measure_args::{Bench, CompareArgs};
 use super::part_args::{FarmArgs, MergeArgs, PartArgs};
-use super::scene_args::MakeArgs;
-pub use super::scene_args::SceneArgs;
+use super::picture_args::PictureArgs;
+use super::ray_args::RayArgs;
+use super::scene_args::{MakeArgs, SceneArgs};
 use super::sweep_args::SweepArgs;
 use super::table1::args::Table1Args;
-use super::values::{self, Crop, Depth, PixelAt, Preview};
+use super::values::{self, PixelAt, Preview};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -200,69 +203,6 @@ pub enum Preset {
     Final,
 }
 
-/// The ray tracer, and how it is built.
-#[derive(Args, Debug, Default)]
-pub struct RayArgs {
-    /// Ray tracer [default: embree, where it was compiled in]
-    #[arg(long, value_name = "NAME", help_heading = "Machine")]
-    pub accel: Option<Accel>,
-    /// How its trees are built [default: balanced, or compact where memory is short]
-    #[arg(long, value_name = "WAY", help_heading = "Machine")]
-    pub accel_build: Option<AccelBuild>,
-    /// Let no ray slip through between triangles, for a few per cent of speed
-    #[arg(long, help_heading = "Machine")]
-    pub robust: bool,
-}
-
-/// What is written, and how.
-#[derive(Args, Debug)]
-pub struct FileArgs {
-    /// Image to write; the name's end says how: .exr .hdr .tif .png .jpg. Can be given often
-    /// [default: the scene's name with .exr, in the current directory]
-    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
-    pub output: Vec<PathBuf>,
-    /// Further layers of an EXR
-    #[arg(
-        long,
-        value_name = "LAYERS",
-        value_delimiter = ',',
-        default_value = "none",
-        help_heading = "Output"
-    )]
-    pub aov: Vec<Aov>,
-    /// Numbers of an EXR: 16 or 32 bits
-    #[arg(
-        long,
-        value_name = "TYPE",
-        default_value = "half",
-        help_heading = "Output"
-    )]
-    pub format: NumberFormat,
-    /// Compression of an EXR; dwaa is lossy
-    #[arg(
-        long,
-        value_name = "NAME",
-        default_value = "zip",
-        help_heading = "Output"
-    )]
-    pub compression: Packing,
-    /// Write an EXR in tiles
-    #[arg(long, help_heading = "Output")]
-    pub tiled: bool,
-    /// Brightness of .png and .jpg, as a power of two [default: the scene's]
-    #[arg(
-        long,
-        value_name = "STOPS",
-        allow_negative_numbers = true,
-        value_parser = values::stops,
-        help_heading = "Output"
-    )]
-    pub exposure: Option<f32>,
-    /// Write measurements as JSON
-    #[arg(long, value_name = "FILE", help_heading = "Output")]
-    pub stats: Option<PathBuf>,
-}
-
 /// Samples that went wrong.
 #[derive(Args, Debug)]
 pub struct DoubtArgs {
@@ -301,153 +241,4 @@ pub struct StopArgs {
     /// Stop at this noise: the expected root of the relative mean squared error
     #[arg(long, value_name = "NOISE", value_parser = values::noise, allow_negative_numbers = true, help_heading = "Stop at whichever comes first")]
     pub noise: Option<f32>,
-}
-
-/// Size and filter of the picture.
-#[derive(Args, Debug)]
-pub struct PictureArgs {
-    /// Width in pixels; alone it keeps the scene's proportions
-    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=MAX_SIDE), help_heading = "Picture")]
-    pub width: Option<u32>,
-    /// Height in pixels; alone it keeps the scene's proportions
-    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=MAX_SIDE), help_heading = "Picture")]
-    pub height: Option<u32>,
-    /// Render this part only, upper bounds not included
-    #[arg(
-        long,
-        value_name = "X0,Y0,X1,Y1",
-        allow_hyphen_values = true,
-        help_heading = "Picture"
-    )]
-    pub crop: Option<Crop>,
-    /// Reconstruction filter [default: the scene's]
-    #[arg(long, value_name = "NAME", help_heading = "Picture")]
-    pub rfilter: Option<RFilter>,
-}
-
-/// Longest side of a film: no image format reaches further.
-pub const MAX_SIDE: i64 = 1 << 17;
-
-/// Light transport and its random numbers.
-#[derive(Args, Debug)]
-pub struct LightArgs {
-    /// Longest path, in edges: 1 is emitters alone, 2 adds direct light; or "unlimited" [default: the scene's]
-    #[arg(
-        long,
-        value_name = "N",
-        allow_hyphen_values = true,
-        help_heading = "Light transport"
-    )]
-    pub max_depth: Option<Depth>,
-    /// Depth at which Russian roulette begins [default: the scene's]
-    #[arg(long, value_name = "N", help_heading = "Light transport")]
-    pub rr_depth: Option<u32>,
-    /// Where the samples go, whatever the scene names [default: sobol]
-    #[arg(long, value_name = "NAME", help_heading = "Light transport")]
-    pub sampler: Option<Sampler>,
-    /// Seed of all random numbers: the same seed gives the same bits, whatever the number of threads
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 0,
-        help_heading = "Light transport"
-    )]
-    pub seed: u64,
-    /// Emitters are not seen by the camera itself
-    #[arg(long, help_heading = "Light transport")]
-    pub hide_emitters: bool,
-    /// Drop light that crosses a surface only by its interpolated normal
-    #[arg(long, help_heading = "Light transport")]
-    pub strict_normals: bool,
-}
-
-/// A layer beside the picture.
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Aov {
-    /// Reflectance of the first surface
-    Albedo,
-    /// Its shading normal, world space
-    Normal,
-    /// Its distance
-    Depth,
-    /// Variance of each pixel's mean
-    Variance,
-    /// Noise like that of the picture, by which `compare` tells how wrong means over blocks may be
-    Noise,
-    /// Samples of each pixel
-    Samples,
-    /// Every layer
-    All,
-    /// The picture alone
-    None,
-}
-
-/// Width of an EXR's numbers.
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NumberFormat {
-    /// 16 bits
-    Half,
-    /// 32 bits
-    Float,
-}
-
-/// Compression of an EXR.
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Packing {
-    /// Not compressed
-    None,
-    /// Deflate, lossless
-    Zip,
-    /// Wavelets, lossless
-    Piz,
-    /// Cosine transform, lossy
-    Dwaa,
-}
-
-/// Reconstruction filters.
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RFilter {
-    /// One pixel, constant
-    Box,
-    /// Linear falloff over one pixel
-    Tent,
-    /// Standard deviation 0.5
-    Gaussian,
-    /// Mitchell and Netravali
-    Mitchell,
-    /// Catmull and Rom
-    Catmullrom,
-    /// Windowed sinc of three lobes
-    Lanczos,
-}
-
-/// Samplers.
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sampler {
-    /// Independent random numbers
-    Independent,
-    /// Owen-scrambled Sobol points
-    Sobol,
-}
-
-/// Ray tracers.
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Accel {
-    /// Debian's Embree
-    Embree,
-    /// A tree in pure Rust
-    Obvhs,
-}
-
-/// Ways of building the ray tracer's tree.
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum AccelBuild {
-    /// Quick to build
-    Fast,
-    /// The balance for a render of a minute
-    Balanced,
-    /// Least memory
-    Compact,
-    /// Slow to build, fastest rays
-    High,
 }

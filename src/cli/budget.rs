@@ -4,7 +4,7 @@
 //! The estimates are upper bounds of what was measured ([`manual::speed`](crate::manual::speed)); they
 //! err by tens of per cent, not by factors.
 
-use super::args::AccelBuild;
+use super::ray_args::AccelBuild;
 use super::{Failure, memory};
 use crate::accel::Backend;
 use crate::report::words;

@@ -1,9 +1,11 @@
 //! `twintree field`: what is in a field, in numbers and pictures.
 
-use super::args::{LightArgs, RayArgs, SceneArgs};
 use super::field_args::FieldArgs;
 use super::learning::Opened;
+use super::light_args::LightArgs;
 use super::load::{self, Input, Loaded};
+use super::ray_args::RayArgs;
+use super::scene_args::SceneArgs;
 use super::targets::{check_distinct, named, try_target};
 use super::values::Pixel;
 use super::{Failure, console, output, overrides};

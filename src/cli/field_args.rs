@@ -1,6 +1,8 @@
 //! What can be typed about learned fields: how they are learned, kept, added and looked at.
 
-use super::args::{Accel, LightArgs, SceneArgs};
+use super::light_args::LightArgs;
+use super::ray_args::Accel;
+use super::scene_args::SceneArgs;
 use super::values::{self, Definition, Depth, Mixture, Pixel};
 use crate::film::Shard;
 use crate::integrate::reuse;
@@ -203,10 +205,10 @@ pub struct TrainArgs {
 #[derive(Args, Debug)]
 pub struct SizeArgs {
     /// Width in pixels; alone it keeps the scene's proportions
-    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=super::args::MAX_SIDE), help_heading = "Picture")]
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=super::picture_args::MAX_SIDE), help_heading = "Picture")]
     pub width: Option<u32>,
     /// Height in pixels; alone it keeps the scene's proportions
-    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=super::args::MAX_SIDE), help_heading = "Picture")]
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=super::picture_args::MAX_SIDE), help_heading = "Picture")]
     pub height: Option<u32>,
 }
 

@@ -1,7 +1,8 @@
 //! Options that were typed and change nothing: said, for who types one means something by it.
 
-use super::args::{Aov, FileArgs, RenderArgs};
+use super::args::RenderArgs;
 use super::field_args::{FieldArgs, Guide, LearnArgs, Teachers, TrainArgs};
+use super::file_args::{Aov, FileArgs};
 use super::part_args::MergeArgs;
 use crate::image::Format;
 use clap::ArgMatches;

@@ -1,7 +1,8 @@
 //! From the command line's scene to a description, for every subcommand alike.
 
-use super::args::{Accel, AccelBuild, PictureArgs, RayArgs, SceneArgs};
-use super::scene_args::{StudioArgs, UpAxis};
+use super::picture_args::PictureArgs;
+use super::ray_args::{Accel, AccelBuild, RayArgs};
+use super::scene_args::{SceneArgs, StudioArgs, UpAxis};
 use super::values::Definition;
 use super::{Failure, budget, memory, threads};
 use crate::accel::{Backend, BuildQuality, BuildSettings};

@@ -78,7 +78,7 @@ pub struct BenchAccelArgs {
     pub scene: SceneArgs,
     /// Ray tracers to measure [default: all there are]
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
-    pub accel: Vec<super::args::Accel>,
+    pub accel: Vec<super::ray_args::Accel>,
     /// Build qualities to measure
     #[arg(
         long,
@@ -112,7 +112,7 @@ pub struct BenchScaleArgs {
     pub kind: MeshShape,
     /// Ray tracers to measure [default: all there are]
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
-    pub accel: Vec<super::args::Accel>,
+    pub accel: Vec<super::ray_args::Accel>,
     /// Rays of each kind
     #[arg(long, value_name = "N", default_value_t = 1 << 18, value_parser = clap::value_parser!(u32).range(1024..=1 << 24))]
     pub rays: u32,

@@ -1,8 +1,9 @@
 //! The files that a render writes: tried before the work, written after it.
 
 use super::Failure;
-use super::args::{self, Aov, FileArgs, NumberFormat, RenderArgs};
+use super::args::RenderArgs;
 use super::checkpoint::Checkpoint;
+use super::file_args::{self, Aov, FileArgs, NumberFormat};
 use super::load::Input;
 use super::targets::{Named, check_distinct, named, try_target};
 use crate::film::layers::{Layers, Metadata};
@@ -144,10 +145,10 @@ impl Outputs {
         let options = WriteOptions {
             pixel_type: None,
             compression: match asked.compression {
-                args::Packing::None => Compression::None,
-                args::Packing::Zip => Compression::Zip,
-                args::Packing::Piz => Compression::Piz,
-                args::Packing::Dwaa => Compression::Dwaa,
+                file_args::Packing::None => Compression::None,
+                file_args::Packing::Zip => Compression::Zip,
+                file_args::Packing::Piz => Compression::Piz,
+                file_args::Packing::Dwaa => Compression::Dwaa,
             },
             tiled: asked.tiled,
             exposure,

@@ -1,9 +1,11 @@
 //! What the command line changes about a scene.
 
-use super::args::{LightArgs, PictureArgs, RFilter, RenderArgs, Sampler, StopArgs};
+use super::args::{RenderArgs, StopArgs};
 use super::field_args::{
     Adaptive, GuideArgs, GuideModel, LearnArgs, Manifold, RouletteBy, Teachers,
 };
+use super::light_args::{LightArgs, Sampler};
+use super::picture_args::{PictureArgs, RFilter};
 use super::{Failure, memory};
 use crate::film::filter::Filter;
 use crate::film::{FilmDescription, Pixel};

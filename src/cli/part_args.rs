@@ -1,6 +1,6 @@
 //! What can be typed to render in parts: options of `render`, and the commands `merge` and `farm`.
 
-use super::args::FileArgs;
+use super::file_args::FileArgs;
 use super::values;
 use crate::film::Shard;
 use clap::{Args, ValueEnum};

@@ -1,6 +1,6 @@
 //! What can be typed for `twintree sweep`.
 
-use super::args::SceneArgs;
+use super::scene_args::SceneArgs;
 use super::values;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;

@@ -1,10 +1,10 @@
 //! `twintree train`: from a scene to a field file.
 
-use super::args::RayArgs;
 use super::console::Console;
 use super::field_args::{Teachers, TrainArgs};
 use super::learning::{self, Opened};
 use super::load::Input;
+use super::ray_args::RayArgs;
 use super::waiting::Waiting;
 use super::{Failure, load, output, overrides, targets};
 use crate::camera::Camera;

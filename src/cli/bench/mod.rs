@@ -7,8 +7,8 @@ mod subject;
 
 use self::rays::{Kind, RaySets};
 use self::subject::Subject;
-use super::args::Accel;
 use super::measure_args::{Bench, BenchAccelArgs, Quality};
+use super::ray_args::Accel;
 use super::{Failure, console, output, targets, threads};
 use crate::accel::{self, Backend, BuildQuality, BuildSettings, Hit, Ray, RayQuery};
 use crate::report::accel::{AccelBench, Misses, Rates, Tracer};

@@ -2,7 +2,7 @@
 
 use crate::accel::{Backend, BuildSettings, World};
 use crate::camera::CameraDescription;
-use crate::cli::args::SceneArgs;
+use crate::cli::scene_args::SceneArgs;
 use crate::cli::{Failure, load, threads};
 use crate::scene::Scene;
 use crate::scene::build::world_of;

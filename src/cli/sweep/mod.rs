@@ -9,13 +9,13 @@ mod child;
 mod machine;
 mod plan;
 mod runs;
+mod schedule;
 mod state;
 
 use self::child::Outcome;
 use self::plan::SceneTraits;
-use self::runs::{Ended, go_through};
-use super::console::Console;
-use super::interrupt::Interrupt;
+use self::runs::{Ended, Watch, go_through};
+use self::schedule::{file, order, words_of};
 use super::load::Input;
 use super::sweep_args::{ClockBy, SweepArgs};
 use super::waiting::Waiting;
@@ -23,20 +23,14 @@ use super::{Failure, console, load, output, targets};
 use crate::image::Image;
 use crate::report::sweep::analysis::Findings;
 use crate::report::sweep::pictures::Pictures;
-use crate::report::sweep::{Clock, Configuration, Reference, Setting, Sweep};
+use crate::report::sweep::{Clock, Reference, Setting, Sweep};
 use crate::report::words;
-use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// Seeds of the rounds follow this one: references are rendered with small ones.
-const SEEDS: u64 = 1000;
 /// A run is this many times as long as learning.
 const LEARNING: f64 = 3.0;
 /// The shortest run: below it starting the program is all there is to measure.
 const SHORTEST: f64 = 0.1;
-
-/// Who looks on, and who may end it.
-pub type Watch<'a> = (&'a Console, &'a Interrupt);
 
 /// What a sweep is about, beside its runs.
 struct Subject {
@@ -241,45 +235,6 @@ fn seconds_each(setting: &Setting, budget: f64, (overhead, learning): (f64, f64)
     }
     // Rounded, for it stands in every command.
     (seconds * 100.0).ceil() / 100.0
-}
-
-/// The configurations of a round. The first stays first; the others begin elsewhere each time, and go
-/// backwards every other round, so that none always follows the same.
-fn order(configurations: &[Configuration], round: u32) -> Vec<&Configuration> {
-    let mut list: Vec<&Configuration> = configurations.iter().collect();
-    let others = list.get_mut(1..).unwrap_or_default();
-    if round % 2 == 1 {
-        others.reverse();
-    }
-    if !others.is_empty() {
-        others.rotate_left(round as usize * 7 % others.len());
-    }
-    list
-}
-
-/// A file of a configuration in the directory of the report.
-fn file(args: &SweepArgs, configuration: &Configuration, ending: &str) -> PathBuf {
-    let name = format!("{}.{ending}", configuration.name);
-    args.output.join("runs").join(name)
-}
-
-/// The words of a run.
-fn words_of(
-    setting: &Setting,
-    args: &SweepArgs,
-    configuration: &Configuration,
-    round: u32,
-) -> Vec<String> {
-    let path = |ending| file(args, configuration, ending).display().to_string();
-    let mut words = vec!["render".to_owned(), setting.scene.clone()];
-    words.extend(setting.common.iter().cloned());
-    words.extend(configuration.options.iter().cloned());
-    words.push(format!("--seed={}", SEEDS + 1 + u64::from(round)));
-    words.push(format!("--time={}", setting.seconds));
-    words.push(format!("--reference={}", setting.reference.path));
-    words.push(format!("--stats={}", path("json")));
-    words.push(format!("--output={}", path("exr")));
-    words
 }
 
 /// What would be run.

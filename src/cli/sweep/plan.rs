@@ -5,8 +5,10 @@
 //! here: every run measures its error all the way.
 
 use crate::cli::Failure;
-use crate::cli::args::{Accel, AccelBuild, Cli, Sampler};
+use crate::cli::args::Cli;
 use crate::cli::field_args::{Guide, GuideModel, Manifold, RouletteBy, Teachers, Trial};
+use crate::cli::light_args::Sampler;
+use crate::cli::ray_args::{Accel, AccelBuild};
 use crate::report::sweep::Configuration;
 use clap::{Parser, ValueEnum};
 use serde::Deserialize;

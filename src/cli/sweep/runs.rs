@@ -1,8 +1,11 @@
 //! The runs of a sweep, one after the other, within its budget.
 
 use super::child::{self, Outcome};
-use super::{Watch, file, order, state, words_of};
+use super::schedule::{file, order, words_of};
+use super::state;
 use crate::cli::Failure;
+use crate::cli::console::Console;
+use crate::cli::interrupt::Interrupt;
 use crate::cli::sweep_args::SweepArgs;
 use crate::cli::waiting::Waiting;
 use crate::report::sweep::{Configuration, Run, Sweep};
@@ -14,6 +17,9 @@ const HANGS: f64 = 3.0;
 const HANGING: f64 = 20.0;
 /// A budget may be passed by this much of it, so that a run that has begun can end.
 const OVER_BUDGET: f64 = 0.05;
+
+/// Who looks on, and who may end it.
+pub type Watch<'a> = (&'a Console, &'a Interrupt);
 
 /// Why no more runs are made.
 pub enum Ended {

@@ -1,7 +1,8 @@
 //! What can be typed for `twintree table1`.
 
-use crate::cli::args::{Accel, LightArgs};
 use crate::cli::field_args::PATHS;
+use crate::cli::light_args::LightArgs;
+use crate::cli::ray_args::Accel;
 use crate::cli::values::{self, Definition};
 use crate::integrate::reuse;
 use clap::{Args, ValueEnum};
@@ -25,7 +26,7 @@ pub struct Table1Args {
     #[arg(long, help_heading = "Scene")]
     pub lenient: bool,
     /// Width in pixels; the height follows the scene's proportions
-    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=crate::cli::args::MAX_SIDE), help_heading = "Picture")]
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=crate::cli::picture_args::MAX_SIDE), help_heading = "Picture")]
     pub width: Option<u32>,
     /// Samples a pixel
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u64).range(1..=1 << 32), help_heading = "Picture")]

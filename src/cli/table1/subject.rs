@@ -2,8 +2,9 @@
 
 use super::args::{Method, Table1Args};
 use crate::camera::Camera;
-use crate::cli::args::{RayArgs, SceneArgs};
 use crate::cli::load::{self, Input, Loaded};
+use crate::cli::ray_args::RayArgs;
+use crate::cli::scene_args::SceneArgs;
 use crate::cli::{Failure, overrides};
 use crate::film::layers::{Layers, Metadata};
 use crate::film::{Film, FilmDescription};
