@@ -20,10 +20,10 @@
 //!      build, train, refine     frozen: sample and pdf at any point
 //! ```
 //!
-//! The lower row is what `--guide double` adds. The field only shapes the densities that paths are sampled
-//! from and each sample is divided by its density: a field that is empty or wrong costs noise, and never
-//! changes the mean. Without it the upper row is a path tracer with next-event estimation and multiple
-//! importance sampling.
+//! The lower row is what `--guide double` adds. The field only shapes the densities that paths are
+//! sampled from and each sample is divided by its density: a field that is empty or wrong costs
+//! noise, and never changes the mean. Without it the upper row is a path tracer with next-event
+//! estimation and multiple importance sampling.
 //!
 //! # Where to begin
 //!
@@ -40,14 +40,14 @@
 //!
 //! # What holds everywhere
 //!
-//! * Modules depend on each other in one direction only: `cli` > `integrate` > `guide`, `photon` > `scene` >
-//!   `bsdf`, `light`, `camera`, `film` > `texture` > `accel`, `image` > `math`.
-//! * Directions point *away* from the surface point they belong to and are of unit length; local shading
-//!   coordinates have the normal on +z.
+//! * Modules depend on each other in one direction only: `cli` > `integrate` > `guide`, `photon` >
+//!   `scene` > `bsdf`, `light`, `camera`, `film` > `texture` > `accel`, `image` > `math`.
+//! * Directions point *away* from the surface point they belong to and are of unit length; local
+//!   shading coordinates have the normal on +z.
 //! * Radiance and reflectance are linear sRGB ([`math::Rgb`]).
 //! * Geometry and radiance are `f32`, sums that grow are `f64`.
-//! * Random numbers follow from seed, pixel and sample alone, and sums have a fixed order: the same seed
-//!   gives the same bits on any number of threads.
+//! * Random numbers follow from seed, pixel and sample alone, and sums have a fixed order: the same
+//!   seed gives the same bits on any number of threads.
 
 pub mod accel;
 pub mod bsdf;

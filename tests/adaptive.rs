@@ -12,8 +12,8 @@ use twintree::integrate::render::resume;
 use twintree::integrate::training::Learner;
 use twintree::math::{Affine3A, Vec3};
 
-/// A closed room lit by a lamp that shines at the ceiling, with a ball of glass, half behind a black board: what is seen
-/// of the room is noisy, the board is not at all.
+/// A closed room lit by a lamp that shines at the ceiling, with a ball of glass, half behind a
+/// black board: what is seen of the room is noisy, the board is not at all.
 fn room() -> Built {
     let eye = Vec3::new(0.0, 0.0, -0.9);
     let mut maker = SceneMaker::new(eye, Vec3::new(0.0, -0.2, 1.0), 70.0, 32);
@@ -60,7 +60,8 @@ fn render(scene: &Built, adaptive: bool, seed: u64) -> Film {
     film
 }
 
-/// Few samples, many times: a bias that goes with what the first samples were like would be largest there.
+/// Few samples, many times: a bias that goes with what the first samples were like would be largest
+/// there.
 #[test]
 fn spreading_changes_no_mean_and_pixels_tell_their_variance() {
     let scene = room();

@@ -1,17 +1,17 @@
 //! Agreement with Mitsuba 3 on scenes by others.
 //!
-//! The scenes and their references are not part of the project. Set `TWINTREE_SHARED_SCENES` to a folder
-//! that has, for each scene named below, the scene, `ref_320.exr` (Mitsuba 3, plain path tracing, 320
-//! wide, box filter, depth 12) and `ref_320_stderr.exr` (the standard error of that mean). Without it
-//! the tests say so and pass.
+//! The scenes and their references are not part of the project. Set `TWINTREE_SHARED_SCENES` to a
+//! folder that has, for each scene named below, the scene, `ref_320.exr` (Mitsuba 3, plain path
+//! tracing, 320 wide, box filter, depth 12) and `ref_320_stderr.exr` (the standard error of that
+//! mean). Without it the tests say so and pass.
 //!
-//! Means of 8 x 8 blocks are compared by a z-test that counts both images' errors: 99 % of the blocks
-//! must lie within the band that holds 99.9 % of equal ones, and the mean of the image must agree
-//! within 1 % or 3 standard errors.
+//! Means of 8 x 8 blocks are compared by a z-test that counts both images' errors: 99 % of the
+//! blocks must lie within the band that holds 99.9 % of equal ones, and the mean of the image must
+//! agree within 1 % or 3 standard errors.
 //!
-//! Scenes with rare, very bright paths (caustics, light through a gap) need many samples before a block's
-//! own variance tells the truth about its error; those take minutes and are ignored unless asked for:
-//! `cargo test --release --test agreement -- --ignored`.
+//! Scenes with rare, very bright paths (caustics, light through a gap) need many samples before a
+//! block's own variance tells the truth about its error; those take minutes and are ignored unless
+//! asked for: `cargo test --release --test agreement -- --ignored`.
 
 use exr::prelude::{ReadChannels, ReadLayers, read};
 use std::path::{Path, PathBuf};

@@ -16,7 +16,8 @@ fn backends() -> Vec<Backend> {
     list
 }
 
-/// The mean must be `truth` within 4 standard errors, and the standard error small enough to see 0.5 %.
+/// The mean must be `truth` within 4 standard errors, and the standard error small enough to see
+/// 0.5 %.
 fn expect(what: &str, truth: f64, (mean, error): (f64, f64)) {
     println!("{what}: {mean:.5} +- {error:.5}, truth {truth}");
     assert!(
@@ -29,7 +30,8 @@ fn expect(what: &str, truth: f64, (mean, error): (f64, f64)) {
     );
 }
 
-/// Inside a closed surface of albedo 1/2 that glows with 1/2, every radiance is 1/2 / (1 - 1/2) = 1.
+/// Inside a closed surface of albedo 1/2 that glows with 1/2, every radiance is 1/2 / (1 - 1/2) =
+/// 1.
 #[test]
 fn glowing_closed_box_and_sphere_show_one_everywhere() {
     for backend in backends() {
@@ -45,7 +47,8 @@ fn glowing_closed_box_and_sphere_show_one_everywhere() {
     }
 }
 
-/// A point light of intensity pi in the middle of a unit sphere of albedo 1/2: direct radiance 1/2, in all 1.
+/// A point light of intensity pi in the middle of a unit sphere of albedo 1/2: direct radiance 1/2,
+/// in all 1.
 #[test]
 fn point_light_in_a_sphere_shows_one() {
     for backend in backends() {
@@ -83,7 +86,8 @@ fn convex_body_in_constant_light_shows_its_albedo() {
     }
 }
 
-/// Everything lossless vanishes in constant light: glass, mirror, thin glass, rough glass within its losses.
+/// Everything lossless vanishes in constant light: glass, mirror, thin glass, rough glass within
+/// its losses.
 #[test]
 fn white_furnace_hides_lossless_bodies() {
     for backend in backends() {
@@ -149,8 +153,9 @@ fn disk_light_over_a_floor_matches_its_form_factor() {
     }
 }
 
-/// Irradiance beside a sphere of radius r that touches the floor, at distance d from its centre: all of it
-/// lies above the horizon, so pi L (r / d)^2 cos, with cos = r / d. Most of its light arrives at a graze.
+/// Irradiance beside a sphere of radius r that touches the floor, at distance d from its centre:
+/// all of it lies above the horizon, so pi L (r / d)^2 cos, with cos = r / d. Most of its light
+/// arrives at a graze.
 #[test]
 fn a_lamp_that_touches_the_floor_lights_it_up_to_the_touch() {
     for backend in backends() {
@@ -171,7 +176,8 @@ fn a_lamp_that_touches_the_floor_lights_it_up_to_the_touch() {
     }
 }
 
-/// A mask of opacity 0.3 over a black wall in constant light lets 0.7 through, for camera and shadow rays alike.
+/// A mask of opacity 0.3 over a black wall in constant light lets 0.7 through, for camera and
+/// shadow rays alike.
 #[test]
 fn masks_let_their_share_through() {
     for backend in backends() {

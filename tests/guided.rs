@@ -16,8 +16,9 @@ use twintree::integrate::training::{LearnSettings, Learned, garbage, learn};
 use twintree::light::Emitter;
 use twintree::math::{Affine3A, Rgb, Vec3};
 
-/// A closed room lit by a lamp that shines at the ceiling, with a metal ball, a glass one and a varnished one:
-/// light arrives indirectly, off rough metal, focused through glass, and mirrored by what is also matt.
+/// A closed room lit by a lamp that shines at the ceiling, with a metal ball, a glass one and a
+/// varnished one: light arrives indirectly, off rough metal, focused through glass, and mirrored by
+/// what is also matt.
 fn room() -> Built {
     let mut maker = SceneMaker::new(
         Vec3::new(0.0, 0.0, -0.9),
@@ -203,8 +204,8 @@ fn a_learned_field_lowers_the_noise() {
     assert!(guided < 0.8 * plain, "{guided} is not well below {plain}");
 }
 
-/// A room lit by a small lamp in a bulb of glass: light samples are blocked everywhere, and a path that the
-/// field aims at the bulb has a throughput of a hundredth when it meets the glass.
+/// A room lit by a small lamp in a bulb of glass: light samples are blocked everywhere, and a path
+/// that the field aims at the bulb has a throughput of a hundredth when it meets the glass.
 #[test]
 fn roulette_spares_what_the_field_aimed_through_glass() {
     let mut maker = SceneMaker::new(Vec3::new(0.0, 0.0, -0.9), Vec3::Z, 70.0, 16);

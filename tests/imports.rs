@@ -1,7 +1,9 @@
-//! Which module imports which: never upward in the order of CONTRIBUTING's "The house", never in a circle.
+//! Which module imports which: never upward in the order of CONTRIBUTING's "The house", never in a
+//! circle.
 //!
-//! `use` lines and written-out paths count, those of tests do not. A name that another module re-exports counts as an import
-//! of the module that defines it; that a module re-exports its own children's names counts for nothing.
+//! `use` lines and written-out paths count, those of tests do not. A name that another module
+//! re-exports counts as an import of the module that defines it; that a module re-exports its own
+//! children's names counts for nothing.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;

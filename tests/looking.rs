@@ -1,5 +1,5 @@
-//! Looking at fields: brute force against closed forms, the learned distribution against brute force,
-//! and where the camera looks at all.
+//! Looking at fields: brute force against closed forms, the learned distribution against brute
+//! force, and where the camera looks at all.
 
 mod support;
 
@@ -147,7 +147,8 @@ fn the_learned_distribution_is_a_density_and_close_to_brute_force() {
         let (good, bad) = (overlap(&truth, &view), overlap(&truth, &unknowing));
         println!("{model:?}: overlap {good} learned, {bad} random");
         assert!(good > 0.75 && bad < 0.6, "{model:?}: {good}, {bad}");
-        // What it expects to arrive, over the whole cell, is about what arrives at this point of it.
+        // What it expects to arrive, over the whole cell, is about what arrives at this point of
+        // it.
         let field = &taught.guide.field;
         let expected = field.at(point.p, Some(normal), Rgb::ONE).irradiance().x;
         let arrives = truth.integral().x;

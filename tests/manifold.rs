@@ -23,8 +23,8 @@ const BUDGET: Budget = Budget::AsNeeded {
     time: None,
 };
 
-/// A floor in the sun, with a ball of glass, one of metal and one of varnish over it, all moved by `aside`.
-/// The larger the sun, the easier paths meet it by themselves.
+/// A floor in the sun, with a ball of glass, one of metal and one of varnish over it, all moved by
+/// `aside`. The larger the sun, the easier paths meet it by themselves.
 fn balls(aside: f32, sun_degrees: Option<f32>) -> Built {
     lit_balls(aside, |maker| {
         if let Some(degrees) = sun_degrees {
@@ -180,7 +180,8 @@ fn whoever_aims_and_at_whatever_finds_the_unguided_mean() {
             },
         ),
     ] {
-        // What is shared makes neighbours alike: their errors are more than their own variances tell.
+        // What is shared makes neighbours alike: their errors are more than their own variances
+        // tell.
         let other = PathSettings {
             reuse: 1,
             seed: 7,
@@ -259,7 +260,8 @@ fn nobody_aims_where_nothing_shines_in() {
     assert!(find_chains(&scene.view(&unwilling, None), BUDGET).is_none());
 }
 
-/// A single sample takes the steps of the render's, also where a path follows several lobes from the camera on.
+/// A single sample takes the steps of the render's, also where a path follows several lobes from
+/// the camera on.
 #[test]
 fn a_sample_by_itself_has_the_bits_that_it_has_in_the_render() {
     let scene = balls(0.0, Some(2.0));

@@ -1,10 +1,11 @@
-//! The mean over hundreds of small renders is that of a converged image, with every decision that rests on
-//! the render's own samples: which field, which mixture fractions, how many paths a pixel takes, what is
-//! shared, when to stop.
+//! The mean over hundreds of small renders is that of a converged image, with every decision that
+//! rests on the render's own samples: which field, which mixture fractions, how many paths a pixel
+//! takes, what is shared, when to stop.
 //!
-//! The scene is black but for bright patches that fill a quarter of every fourth pixel. What the first
-//! samples of a pixel have found then decides most strongly about the later ones. With [`RENDERS`] seeds the
-//! standard error is below 0.3 % of the mean, so that a bias of 1 % is found at 3.3 of them.
+//! The scene is black but for bright patches that fill a quarter of every fourth pixel. What the
+//! first samples of a pixel have found then decides most strongly about the later ones. With
+//! [`RENDERS`] seeds the standard error is below 0.3 % of the mean, so that a bias of 1 % is found
+//! at 3.3 of them.
 
 mod support;
 
@@ -26,7 +27,8 @@ const RENDERS: u64 = 160;
 /// Side of the image in pixels.
 const SIZE: u32 = 32;
 
-/// A white room whose back wall is black with white patches, one for two by two pixels, lit by a lamp.
+/// A white room whose back wall is black with white patches, one for two by two pixels, lit by a
+/// lamp.
 fn patches() -> Built {
     let eye = Vec3::new(0.0, 0.0, -0.98);
     let mut maker = SceneMaker::new(eye, Vec3::Z, 2.0 * 0.5f64.atan().to_degrees(), SIZE);
@@ -102,8 +104,8 @@ fn render(scene: &Built, path: &PathSettings, limits: &Limits) -> Film {
     film
 }
 
-/// Renders many times with a learner and compares the mean with the truth. Returns the different numbers of
-/// samples a pixel that were taken.
+/// Renders many times with a learner and compares the mean with the truth. Returns the different
+/// numbers of samples a pixel that were taken.
 fn check(path: &PathSettings, limits: Limits) -> BTreeSet<u64> {
     let scene = patches();
     let (means, spp): (Vec<f64>, Vec<u64>) = (0..RENDERS)

@@ -1,9 +1,9 @@
-//! What a film tells of its own error is true: for pixels and for means over blocks, with Sobol points,
-//! shared paths, samples spread by noise; and so is the noise that it reports.
+//! What a film tells of its own error is true: for pixels and for means over blocks, with Sobol
+//! points, shared paths, samples spread by noise; and so is the noise that it reports.
 //!
-//! Each kind of render is made with [`RENDERS`] seeds. Their spread around their mean is the true error, and z is
-//! that over the deviation told. With 2304 pixels, or 9 blocks of 16 x 16, times the seeds the deviation of z
-//! is known to 1 and 5 % (more where the noise has heavy tails).
+//! Each kind of render is made with [`RENDERS`] seeds. Their spread around their mean is the true
+//! error, and z is that over the deviation told. With 2304 pixels, or 9 blocks of 16 x 16, times
+//! the seeds the deviation of z is known to 1 and 5 % (more where the noise has heavy tails).
 
 mod support;
 
@@ -25,8 +25,8 @@ const RENDERS: u64 = 24;
 const SIZE: u32 = 48;
 const SPP: u64 = 64;
 
-/// A room with a lamp that shines at the ceiling and a glossy ball: light is indirect, and found at every
-/// pixel.
+/// A room with a lamp that shines at the ceiling and a glossy ball: light is indirect, and found at
+/// every pixel.
 fn room(lamp: f32) -> Built {
     let mut maker = SceneMaker::new(Vec3::new(0.0, 0.0, -0.9), Vec3::Z, 70.0, SIZE);
     let wall = maker.diffuse(0.6);
@@ -104,7 +104,8 @@ fn seen(film: &Film) -> Seen {
     }
 }
 
-/// Standard deviation of z of means over blocks of 1, 4, 16 pixels, and the noise told over the true one.
+/// Standard deviation of z of means over blocks of 1, 4, 16 pixels, and the noise told over the
+/// true one.
 fn told_and_true(films: &[Film]) -> ([f64; 3], f64) {
     let seen: Vec<Seen> = films.iter().map(seen).collect();
     let n = seen.len() as f64;

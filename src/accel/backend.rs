@@ -48,8 +48,9 @@ pub fn build(
     }
 }
 
-/// Prepares the calling thread for tracing: see [`embree::prepare_thread`](super::embree::prepare_thread).
-/// For the start handler of a thread pool; without Embree there is nothing to prepare.
+/// Prepares the calling thread for tracing: see
+/// [`embree::prepare_thread`](super::embree::prepare_thread). For the start handler of a thread
+/// pool; without Embree there is nothing to prepare.
 pub fn prepare_thread() {
     #[cfg(feature = "embree")]
     super::embree::prepare_thread();

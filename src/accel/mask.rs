@@ -1,8 +1,9 @@
 //! Masked geometry: whether a hit on a half-transparent surface counts.
 //!
-//! A hit is kept with probability [`Opacity::opacity`]. The random number is a hash of the ray's origin
-//! and direction (the bits the caller gave, not the ones rounded into an instance's space) and of what
-//! was hit, the walls of round shapes told apart. So closest hits, shadow rays, packets, single rays and both backends decide alike.
+//! A hit is kept with probability [`Opacity::opacity`]. The random number is a hash of the ray's
+//! origin and direction (the bits the caller gave, not the ones rounded into an instance's space)
+//! and of what was hit, the walls of round shapes told apart. So closest hits, shadow rays,
+//! packets, single rays and both backends decide alike.
 
 use super::{Hit, Opacity, Ray};
 use crate::math::rng::{hash_all, unit_f32};

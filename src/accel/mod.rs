@@ -1,12 +1,13 @@
 //! Ray queries: what the renderer asks of a ray tracer, and the two that answer.
 //!
-//! [`RayQuery`] is the trait; [`embree`] answers with Debian's Embree (the default), [`obvhs`] with a
-//! BVH in pure Rust. Both are built from the same [`World`]: triangle meshes, exact shapes (never
+//! [`RayQuery`] is the trait; [`embree`] answers with Debian's Embree (the default), [`obvhs`] with
+//! a BVH in pure Rust. Both are built from the same [`World`]: triangle meshes, exact shapes (never
 //! tessellated) and instances of groups of them.
 //!
-//! Masked geometry (foliage cut out of a quad by a texture) is resolved *inside* the query: a hit on a
-//! geometry with `masked` set is kept with probability [`Opacity::opacity`], by a hash of the ray, so
-//! closest hits and shadow rays see the same cut-out and the integrator never meets an invisible surface.
+//! Masked geometry (foliage cut out of a quad by a texture) is resolved *inside* the query: a hit
+//! on a geometry with `masked` set is kept with probability [`Opacity::opacity`], by a hash of the
+//! ray, so closest hits and shadow rays see the same cut-out and the integrator never meets an
+//! invisible surface.
 
 use crate::math::{Affine3A, Vec3};
 use rayon::prelude::*;
@@ -143,7 +144,8 @@ impl TriangleMesh {
     /// names the first offending triangle.
     pub fn new(mut positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, BadIndex> {
         let count = positions.len();
-        // The largest of many is found with vector instructions; the first that is too large is not.
+        // The largest of many is found with vector instructions; the first that is too large is
+        // not.
         let inside = triangles.par_chunks(1 << 14).all(|part| {
             let largest = part.as_flattened().iter().fold(0, |a, &b| a.max(b));
             (largest as usize) < count
@@ -272,8 +274,8 @@ pub struct BuildSettings {
     pub robust: bool,
     /// Threads that build; 0 means all.
     pub threads: usize,
-    /// Bytes that the trees may hold, at any moment of the build; 0 means that only the system says no.
-    /// Embree is held to it; the tree in Rust is not.
+    /// Bytes that the trees may hold, at any moment of the build; 0 means that only the system says
+    /// no. Embree is held to it; the tree in Rust is not.
     pub memory: usize,
 }
 

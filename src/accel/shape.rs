@@ -1,9 +1,9 @@
 //! Exact shapes: a unit shape and the affine map that places it.
 //!
 //! A ray is carried into the unit shape's space without renormalising its direction, so a distance
-//! found there is a distance along the original ray. The arithmetic is `f64`, and the origin is taken
-//! relative to the shape's centre *before* it is transformed: a sphere of radius 1 seen from 1e5 away,
-//! or standing 1e5 from the origin, loses nothing that the `f32` input had.
+//! found there is a distance along the original ray. The arithmetic is `f64`, and the origin is
+//! taken relative to the shape's centre *before* it is transformed: a sphere of radius 1 seen from
+//! 1e5 away, or standing 1e5 from the origin, loses nothing that the `f32` input had.
 
 use super::Bounds;
 use crate::math::{Affine3A, DVec3, Vec3, Vec3A};
@@ -12,7 +12,8 @@ use std::f64::consts::{PI, TAU};
 /// Which unit shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ExactKind {
-    /// The sphere of radius 1 around the origin; u = longitude / 2 pi from +x, v = polar angle from +z / pi.
+    /// The sphere of radius 1 around the origin; u = longitude / 2 pi from +x, v = polar angle from
+    /// +z / pi.
     Sphere,
     /// The disk of radius 1 in z = 0, normal +z; u = radius, v = angle / 2 pi from +x.
     Disk,

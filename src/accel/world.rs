@@ -34,8 +34,8 @@ fn largest(map: &Affine3A) -> f32 {
     columns.into_iter().fold(0.0, |m, c| m.max(c.abs()))
 }
 
-/// The factor for [`Ray::is_traceable_within`](super::Ray::is_traceable_within) such that a ray which
-/// passes stays below [`LARGEST`](super::LARGEST) in the space of every instance, too.
+/// The factor for [`Ray::is_traceable_within`](super::Ray::is_traceable_within) such that a ray
+/// which passes stays below [`LARGEST`](super::LARGEST) in the space of every instance, too.
 #[cfg(feature = "embree")]
 pub fn overflow_factor(world: &World) -> f32 {
     let steepest = world

@@ -1,8 +1,9 @@
 //! A delta lobe set apart from all other lobes.
 //!
-//! A path tracer that follows one lobe by lot wastes what it knows: where a path was sent to a polished table
-//! because the sun shines in it, the varnish, which reflects four per cent, is chosen four times in a
-//! hundred. Set apart, the delta lobe and the rest can both be followed, each by a lot of its own.
+//! A path tracer that follows one lobe by lot wastes what it knows: where a path was sent to a
+//! polished table because the sun shines in it, the varnish, which reflects four per cent, is
+//! chosen four times in a hundred. Set apart, the delta lobe and the rest can both be followed,
+//! each by a lot of its own.
 
 use super::{Bsdf, BsdfSample, LobeFlags, Transport};
 use crate::math::rng::BELOW_ONE;
@@ -32,8 +33,8 @@ impl Rest {
         chance: 1.0,
     };
 
-    /// The number by which [`Bsdf::sample`] chooses among these lobes, for a uniform `u`. Weights are then too
-    /// large by 1 / `chance`, and densities too small by `chance`.
+    /// The number by which [`Bsdf::sample`] chooses among these lobes, for a uniform `u`. Weights
+    /// are then too large by 1 / `chance`, and densities too small by `chance`.
     #[inline]
     pub fn choose(self, u: f32) -> f32 {
         (self.start + u * self.chance).min(BELOW_ONE)
@@ -41,8 +42,9 @@ impl Rest {
 }
 
 impl Bsdf {
-    /// Sets a delta lobe apart: the one that the least of the numbers that choose among lobes stands for, or else
-    /// the greatest. `None` if neither is a delta lobe, or if there is nothing beside it.
+    /// Sets a delta lobe apart: the one that the least of the numbers that choose among lobes
+    /// stands for, or else the greatest. `None` if neither is a delta lobe, or if there is nothing
+    /// beside it.
     #[inline]
     pub fn apart(&self, wo: Vec3, transport: Transport) -> Option<Apart> {
         if !self.flags().has(LobeFlags::DELTA) {

@@ -1,10 +1,11 @@
-//! How much of the light that arrives from one direction the rough facets of a dielectric send back: a
-//! table for the base that lies beneath them.
+//! How much of the light that arrives from one direction the rough facets of a dielectric send
+//! back: a table for the base that lies beneath them.
 //!
-//! The albedo of GGX facets with height-correlated masking, over the cosine, the perceptual roughness
-//! (the square root of alpha) and the contrast of the interface, `(eta - 1) / (eta + 1)`: in its square, the
-//! reflectance at normal incidence, the albedo has a kink at 0 that no straight line follows. One table
-//! of 14 KB serves all materials; it is made when the first of them is added.
+//! The albedo of GGX facets with height-correlated masking, over the cosine, the perceptual
+//! roughness (the square root of alpha) and the contrast of the interface, `(eta - 1) / (eta + 1)`:
+//! in its square, the reflectance at normal incidence, the albedo has a kink at 0 that no straight
+//! line follows. One table of 14 KB serves all materials; it is made when the first of them is
+//! added.
 
 use super::fresnel::{dielectric, reflect};
 use super::material::Distribution;

@@ -1,10 +1,11 @@
 //! Where a texture may be read as its average over a pixel.
 //!
-//! Mip levels save noise and memory, but the light of an average is the average of the light only where
-//! it follows the texture linearly: colours of lobes do, normals, displacements, roughnesses and cut-outs
-//! do not. (A bumpy wall seen from afar came out a tenth too bright.) Nor does the product of two textures,
-//! which may have to do with each other: mortar is dark where it is deep. Such materials are read at the
-//! finest level everywhere, and the samples of a pixel average what they scatter.
+//! Mip levels save noise and memory, but the light of an average is the average of the light only
+//! where it follows the texture linearly: colours of lobes do, normals, displacements, roughnesses
+//! and cut-outs do not. (A bumpy wall seen from afar came out a tenth too bright.) Nor does the
+//! product of two textures, which may have to do with each other: mortar is dark where it is deep.
+//! Such materials are read at the finest level everywhere, and the samples of a pixel average what
+//! they scatter.
 
 use super::materials::inner_materials;
 use super::needs::textures;

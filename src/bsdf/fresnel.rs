@@ -1,8 +1,9 @@
-//! What a smooth interface does to light: Fresnel's equations for dielectrics and conductors, and the
-//! directions of mirror reflection and refraction.
+//! What a smooth interface does to light: Fresnel's equations for dielectrics and conductors, and
+//! the directions of mirror reflection and refraction.
 //!
-//! Conventions are Mitsuba's: `eta` is the interior over the exterior index of refraction, "exterior"
-//! is the side of +z (or of the facet normal), and every direction points away from the surface.
+//! Conventions are Mitsuba's: `eta` is the interior over the exterior index of refraction,
+//! "exterior" is the side of +z (or of the facet normal), and every direction points away from the
+//! surface.
 
 use crate::math::{Rgb, Vec3};
 
@@ -57,14 +58,16 @@ pub(super) fn dielectric(cos_i: f32, eta: f32) -> Interface {
     }
 }
 
-/// Contrast of an interface of relative index `eta`: its square is the reflectance at normal incidence.
+/// Contrast of an interface of relative index `eta`: its square is the reflectance at normal
+/// incidence.
 #[inline]
 pub(super) fn contrast(eta: f32) -> f32 {
     (eta - 1.0) / (eta + 1.0)
 }
 
-/// Snell's law in squared cosines: `1 - (1 - cos^2) / eta^2`, negative on total reflection. Multiplied out
-/// it keeps its digits at grazing angles with eta near 1; as it stands, at steep ones with small eta.
+/// Snell's law in squared cosines: `1 - (1 - cos^2) / eta^2`, negative on total reflection.
+/// Multiplied out it keeps its digits at grazing angles with eta near 1; as it stands, at steep
+/// ones with small eta.
 #[inline]
 fn cos2_transmitted(cos2: f32, eta_it: f32, eta_ti: f32) -> f32 {
     if eta_it < 0.5 {
@@ -73,7 +76,8 @@ fn cos2_transmitted(cos2: f32, eta_it: f32, eta_ti: f32) -> f32 {
     ((eta_it - 1.0) * (eta_it + 1.0) + cos2) * eta_ti * eta_ti
 }
 
-/// Reflectance of a conductor with the complex index `eta + i k` relative to the outside, per channel.
+/// Reflectance of a conductor with the complex index `eta + i k` relative to the outside, per
+/// channel.
 #[inline]
 pub(super) fn conductor(cos_i: f32, eta: Rgb, k: Rgb) -> Rgb {
     Rgb::new(
@@ -105,12 +109,12 @@ fn ratio(a: f32, b: f32) -> f32 {
     if b > 0.0 { a / b } else { 1.0 }
 }
 
-/// What diffuse light from *inside* a dielectric of relative index `eta` > 1 gets out, of all that arrives; it keeps
-/// its digits where nearly nothing does. The rest is reflected.
+/// What diffuse light from *inside* a dielectric of relative index `eta` > 1 gets out, of all that
+/// arrives; it keeps its digits where nearly nothing does. The rest is reflected.
 ///
-/// Up to 2 this is the fit of Egan and Hilgeman (1973) that Mitsuba uses, so that plastics agree with
-/// it; above, where that fit is off by up to 10 %, the fit of d'Eon and Irving (2011) for light from
-/// outside, carried inside by the conservation of etendue: `1 - Fi = (1 - Fe) / eta^2`.
+/// Up to 2 this is the fit of Egan and Hilgeman (1973) that Mitsuba uses, so that plastics agree
+/// with it; above, where that fit is off by up to 10 %, the fit of d'Eon and Irving (2011) for
+/// light from outside, carried inside by the conservation of etendue: `1 - Fi = (1 - Fe) / eta^2`.
 #[inline]
 pub(super) fn internal_diffuse_transmittance(eta: f32) -> f32 {
     if eta <= 2.0 {

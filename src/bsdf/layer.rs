@@ -1,7 +1,8 @@
 //! Dielectric layers over other models: Mitsuba 0.6's `coating` and `roughcoating`.
 //!
-//! Light is refracted into the layer, scattered by the inner model, dimmed by absorption on both ways,
-//! and refracted out. Bounces between the model and the layer's underside are left out, as there.
+//! Light is refracted into the layer, scattered by the inner model, dimmed by absorption on both
+//! ways, and refracted out. Bounces between the model and the layer's underside are left out, as
+//! there.
 
 use super::fresnel::{dielectric, reflect};
 use super::lobes::{

@@ -1,5 +1,5 @@
-//! Models that stand by themselves, looked up at a point: a material's textures become the numbers of
-//! a lobe.
+//! Models that stand by themselves, looked up at a point: a material's textures become the numbers
+//! of a lobe.
 
 use super::fresnel::sane_eta;
 use super::lobes::conductor::{Conductor, Metal, RoughConductor};

@@ -107,7 +107,8 @@ pub enum Material {
     },
     /// Smooth conductor.
     Conductor {
-        /// Real part of the relative index of refraction. A perfect mirror (`material` = none) has eta 0 and k 1.
+        /// Real part of the relative index of refraction. A perfect mirror (`material` = none) has
+        /// eta 0 and k 1.
         eta: Texture,
         /// Imaginary part.
         k: Texture,
@@ -184,8 +185,8 @@ pub enum Material {
     },
     /// Nothing: an index-matched surface.
     Null,
-    /// Opacity over a material. The ray queries resolve it (see [`crate::accel::Opacity`]): resolving
-    /// the material at a hit yields the inner one.
+    /// Opacity over a material. The ray queries resolve it (see [`crate::accel::Opacity`]):
+    /// resolving the material at a hit yields the inner one.
     Mask {
         /// Opacity, 0 to 1.
         opacity: Texture,

@@ -32,8 +32,8 @@ fn coat_table(roughness: &Roughness, eta: f32) -> &'static RoughTransmittance {
 }
 
 impl Materials {
-    /// Adds a material and returns its number. Inner materials must have been added before; one that
-    /// was not absorbs all light.
+    /// Adds a material and returns its number. Inner materials must have been added before; one
+    /// that was not absorbs all light.
     pub fn push(&mut self, material: Material) -> MaterialId {
         if matches!(material, Material::MetallicRoughness(_)) {
             // Made now, not by the first path that meets it.
@@ -69,8 +69,8 @@ impl Materials {
         self.list.is_empty()
     }
 
-    /// Opacity of material `id` at a point: below 1 only where a [`Material::Mask`] says so. Both sides
-    /// of a two-sided material have the opacity of its front.
+    /// Opacity of material `id` at a point: below 1 only where a [`Material::Mask`] says so. Both
+    /// sides of a two-sided material have the opacity of its front.
     pub fn opacity(&self, id: MaterialId, point: &SurfacePoint) -> f32 {
         let Some(prepared) = self.list.get(id as usize) else {
             return 1.0;

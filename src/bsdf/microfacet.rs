@@ -1,10 +1,10 @@
-//! Microfacet distributions: how the normals of a rough surface are spread (Walter et al. 2007), how
-//! much of them is seen, and drawing the visible ones (Heitz and d'Eon 2014).
+//! Microfacet distributions: how the normals of a rough surface are spread (Walter et al. 2007),
+//! how much of them is seen, and drawing the visible ones (Heitz and d'Eon 2014).
 //!
 //! Roughness `alpha` means what it means in Mitsuba: the root mean square slope for Beckmann, the
-//! width parameter of Trowbridge-Reitz for GGX. It is held at or above [`MIN_ALPHA`], Mitsuba's floor,
-//! and never turned into a delta: `D` then peaks at 3e7, which f32 holds with ease, and a scene looks
-//! the same here as there. The furnace test runs from alpha = 1e-8 to 1.
+//! width parameter of Trowbridge-Reitz for GGX. It is held at or above [`MIN_ALPHA`], Mitsuba's
+//! floor, and never turned into a delta: `D` then peaks at 3e7, which f32 holds with ease, and a
+//! scene looks the same here as there. The furnace test runs from alpha = 1e-8 to 1.
 
 use super::material::Distribution;
 use crate::math::special::{erf, erf_inv};
@@ -58,9 +58,9 @@ impl Microfacet {
         if d * m.z > 1e-20 { d } else { 0.0 }
     }
 
-    /// Smith's masking: the fraction of facets with normal `m` that is seen from `v`; 0 where `v` sees
-    /// the facet's back. Beckmann's is the rational fit of Walter et al. (error below 0.35 %), as in
-    /// Mitsuba.
+    /// Smith's masking: the fraction of facets with normal `m` that is seen from `v`; 0 where `v`
+    /// sees the facet's back. Beckmann's is the rational fit of Walter et al. (error below 0.35 %),
+    /// as in Mitsuba.
     #[inline]
     pub fn g1(&self, v: Vec3, m: Vec3) -> f32 {
         if v.dot(m) * v.z <= 0.0 {
@@ -85,9 +85,9 @@ impl Microfacet {
         }
     }
 
-    /// Of the facets with normal `m` that are seen from `wo`, the fraction that is also seen from `wi`: with
-    /// heights that are the same for both, `G2 / G1` of Heitz ("Understanding the Masking-Shadowing
-    /// Function in Microfacet-Based BRDFs", 2014, equation 99).
+    /// Of the facets with normal `m` that are seen from `wo`, the fraction that is also seen from
+    /// `wi`: with heights that are the same for both, `G2 / G1` of Heitz ("Understanding the
+    /// Masking-Shadowing Function in Microfacet-Based BRDFs", 2014, equation 99).
     #[inline]
     pub fn shadowing(&self, wo: Vec3, wi: Vec3, m: Vec3) -> f32 {
         let (o, i) = (self.g1(wo, m), self.g1(wi, m));
@@ -97,8 +97,8 @@ impl Microfacet {
         i / (i + o * (1.0 - i))
     }
 
-    /// A facet normal, in proportion to the area that `wo` (with `wo.z` > 0) sees of it: with density
-    /// `d(m) g1(wo, m) |wo.m| / wo.z` in solid angle.
+    /// A facet normal, in proportion to the area that `wo` (with `wo.z` > 0) sees of it: with
+    /// density `d(m) g1(wo, m) |wo.m| / wo.z` in solid angle.
     #[inline]
     pub fn sample(&self, wo: Vec3, u: Vec2) -> Vec3 {
         let v = Vec3::new(self.alpha_u * wo.x, self.alpha_v * wo.y, wo.z).normalize();
@@ -108,8 +108,9 @@ impl Microfacet {
         }
     }
 
-    /// The stretched hemisphere seen from `v` is half a disk and half an ellipse; a point on them is a
-    /// point on the hemisphere (Heitz, "Sampling the GGX Distribution of Visible Normals", JCGT 2018).
+    /// The stretched hemisphere seen from `v` is half a disk and half an ellipse; a point on them
+    /// is a point on the hemisphere (Heitz, "Sampling the GGX Distribution of Visible Normals",
+    /// JCGT 2018).
     #[inline]
     fn sample_ggx(&self, v: Vec3, u: Vec2) -> Vec3 {
         let len2 = v.x * v.x + v.y * v.y;
@@ -140,18 +141,18 @@ impl Microfacet {
         self.unstretch(Vec3::new(-x, -y, 1.0))
     }
 
-    /// From the surface stretched to roughness 1 back to the real one. The floor keeps the normal off
-    /// the plane where `d` has no value.
+    /// From the surface stretched to roughness 1 back to the real one. The floor keeps the normal
+    /// off the plane where `d` has no value.
     #[inline]
     fn unstretch(&self, n: Vec3) -> Vec3 {
         Vec3::new(self.alpha_u * n.x, self.alpha_v * n.y, n.z.max(1e-6)).normalize()
     }
 }
 
-/// A slope of the Beckmann surface of roughness 1, in proportion to its area seen from the angle with
-/// the given cosine and sine (Jakob, "An Improved Visible Normal Sampling Routine for the Beckmann
-/// Distribution", 2014): the cumulative distribution is inverted in the domain of erf(slope), by
-/// Newton's method inside a bracket, so that no angle can make it diverge.
+/// A slope of the Beckmann surface of roughness 1, in proportion to its area seen from the angle
+/// with the given cosine and sine (Jakob, "An Improved Visible Normal Sampling Routine for the
+/// Beckmann Distribution", 2014): the cumulative distribution is inverted in the domain of
+/// erf(slope), by Newton's method inside a bracket, so that no angle can make it diverge.
 fn beckmann_slope(cos: f32, sin: f32, u: Vec2) -> Vec2 {
     let (tan, cot) = (sin / cos.max(1e-10), cos / sin.max(1e-10));
     let scale = 0.5 * FRAC_2_SQRT_PI * tan;

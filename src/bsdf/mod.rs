@@ -1,12 +1,12 @@
 //! Materials and scattering.
 //!
-//! A [`Material`] is data: a tree of named models with textured parameters, as a scene file describes
-//! it. At a surface point it is *resolved* ([`Materials::resolve`]): textures are looked up once, bump
-//! and normal maps turn the frame, and out comes a [`Bsdf`] of plain numbers that is sampled,
-//! evaluated and asked for densities without touching a texture again.
+//! A [`Material`] is data: a tree of named models with textured parameters, as a scene file
+//! describes it. At a surface point it is *resolved* ([`Materials::resolve`]): textures are looked
+//! up once, bump and normal maps turn the frame, and out comes a [`Bsdf`] of plain numbers that is
+//! sampled, evaluated and asked for densities without touching a texture again.
 //!
-//! Directions are in world space, unit length, pointing away from the surface: `wo` towards where the
-//! path came from, `wi` towards where it goes on. `eval` includes the factor |cos theta_i|.
+//! Directions are in world space, unit length, pointing away from the surface: `wo` towards where
+//! the path came from, `wi` towards where it goes on. `eval` includes the factor |cos theta_i|.
 
 use crate::math::{Frame, Rgb, Vec2, Vec3};
 use lobes::{Lobe, weighted};
@@ -15,7 +15,8 @@ use plain::Form;
 /// Index of a [`Material`] in [`Materials`].
 pub type MaterialId = u32;
 
-/// What travels along a path: decides the factors that are not symmetric (refraction, shading normals).
+/// What travels along a path: decides the factors that are not symmetric (refraction, shading
+/// normals).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Transport {
     /// Camera paths carry radiance.
@@ -155,8 +156,8 @@ impl Bsdf {
         }
     }
 
-    /// Draws a direction. `u_lobe` chooses among lobes, `u` inside one. `None` where nothing scatters
-    /// (absorbed, below the horizon): a sample of value zero, never to be drawn again.
+    /// Draws a direction. `u_lobe` chooses among lobes, `u` inside one. `None` where nothing
+    /// scatters (absorbed, below the horizon): a sample of value zero, never to be drawn again.
     // Inlined for the same reason.
     #[inline(always)]
     pub fn sample(
@@ -184,8 +185,8 @@ impl Bsdf {
         normal_correction(wo, wi, self.frame.n, self.ng)
     }
 
-    /// The normal that tells which lights can matter, on the side of `wo`; zero where light from both
-    /// sides does, or where a bump or normal map turns the horizon.
+    /// The normal that tells which lights can matter, on the side of `wo`; zero where light from
+    /// both sides does, or where a bump or normal map turns the horizon.
     #[inline]
     pub fn light_normal(&self, wo: Vec3) -> Vec3 {
         if self.flags().has(LobeFlags::TRANSMISSION)
@@ -197,7 +198,8 @@ impl Bsdf {
         if n.dot(wo) < 0.0 { -n } else { n }
     }
 
-    /// Reflectance for the albedo AOV (OIDN's meaning: about the colour a denoiser should keep; 1 for clear glass and mirrors).
+    /// Reflectance for the albedo AOV (OIDN's meaning: about the colour a denoiser should keep; 1
+    /// for clear glass and mirrors).
     #[inline]
     pub fn albedo(&self) -> Rgb {
         let albedo = match &self.form {
@@ -207,7 +209,8 @@ impl Bsdf {
         albedo.clamp(Rgb::ZERO, Rgb::ONE)
     }
 
-    /// Smallest roughness alpha among the smooth lobes: 1 for diffuse, 0 if there is none. Decides what guiding may touch.
+    /// Smallest roughness alpha among the smooth lobes: 1 for diffuse, 0 if there is none. Decides
+    /// what guiding may touch.
     #[inline]
     pub fn roughness(&self) -> f32 {
         let alpha = match &self.form {

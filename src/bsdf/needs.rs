@@ -5,8 +5,8 @@ use super::{Material, MaterialId, Materials};
 use crate::texture::{Reads, Texture};
 
 impl Materials {
-    /// Whether material `id` reads tangents: it has a texture (whose level depends on the footprint),
-    /// is anisotropic, or turns the normal.
+    /// Whether material `id` reads tangents: it has a texture (whose level depends on the
+    /// footprint), is anisotropic, or turns the normal.
     pub fn needs_tangents(&self, id: MaterialId) -> bool {
         self.any(id, &|m| {
             let turns = matches!(m, Material::BumpMap { .. } | Material::NormalMap { .. });

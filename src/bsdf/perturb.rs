@@ -1,10 +1,10 @@
 //! Frames turned by bump and normal maps.
 //!
-//! As in Mitsuba 3: a normal that would face away from the viewer is mirrored about the surface's own
-//! (Schuessler et al., "Microfacet-based Normal Mapping", 2017), directions whose side differs between
-//! the two frames carry nothing, and the hard edge that this leaves is softened by the shadowing term
-//! of Estevez et al., "A Microfacet-Based Shadowing Function to Solve the Bump Terminator Problem"
-//! (Ray Tracing Gems, 2019). A scene can do without the first and the last.
+//! As in Mitsuba 3: a normal that would face away from the viewer is mirrored about the surface's
+//! own (Schuessler et al., "Microfacet-based Normal Mapping", 2017), directions whose side differs
+//! between the two frames carry nothing, and the hard edge that this leaves is softened by the
+//! shadowing term of Estevez et al., "A Microfacet-Based Shadowing Function to Solve the Bump
+//! Terminator Problem" (Ray Tracing Gems, 2019). A scene can do without the first and the last.
 
 use super::lobes::{Lobe, weighted};
 use super::material::Turning;
@@ -26,8 +26,8 @@ fn tan2(w: Vec3) -> f32 {
 }
 
 impl Perturbation {
-    /// The frame around the local normal `n` (any length; zero or not-a-number leaves the surface as
-    /// it is) seen from the local direction `wo`.
+    /// The frame around the local normal `n` (any length; zero or not-a-number leaves the surface
+    /// as it is) seen from the local direction `wo`.
     pub fn new(n: Vec3, wo: Vec3, turning: Turning) -> Self {
         let mut n = n;
         if turning.mirrors && wo.z * wo.dot(n) <= 0.0 {
@@ -47,8 +47,8 @@ impl Perturbation {
         &self.frame
     }
 
-    /// Shadowing of the light, which arrives from `wi` on camera paths and from `wo` on photon paths,
-    /// and for the latter the factor by which a turned normal makes scattering asymmetric.
+    /// Shadowing of the light, which arrives from `wi` on camera paths and from `wo` on photon
+    /// paths, and for the latter the factor by which a turned normal makes scattering asymmetric.
     fn factor(&self, wo: Vec3, wi: Vec3, transport: Transport) -> f32 {
         let light = match transport {
             Transport::Radiance => wi,
@@ -101,8 +101,8 @@ impl Perturbation {
 }
 
 /// The local normal that a displacement with the given gradient in (u, v) makes of a surface with
-/// shading frame `frame` (Blinn 1978; the change of the base normal is left out, as in Mitsuba). Zero
-/// where the parameterisation is degenerate.
+/// shading frame `frame` (Blinn 1978; the change of the base normal is left out, as in Mitsuba).
+/// Zero where the parameterisation is degenerate.
 pub(super) fn bumped_normal(
     frame: &Frame,
     ng: Vec3,

@@ -1,7 +1,7 @@
 //! The short way for the commonest material: plain diffuse reflection, one- or two-sided.
 //!
-//! Most vertices of most scenes are diffuse. They skip the tree of [`super::tree`]: nothing is built,
-//! and what is asked at a vertex is a handful of instructions.
+//! Most vertices of most scenes are diffuse. They skip the tree of [`super::tree`]: nothing is
+//! built, and what is asked at a vertex is a handful of instructions.
 
 use super::lobes::diffuse::Diffuse;
 use super::lookup::MOST;
@@ -40,8 +40,8 @@ impl Materials {
                 return None;
             }
             if behind {
-                // Seen from its back the surface is its own mirror image: turned, not mirrored, which
-                // is the same for a lobe without a preferred tangent.
+                // Seen from its back the surface is its own mirror image: turned, not mirrored,
+                // which is the same for a lobe without a preferred tangent.
                 frame = Frame {
                     s: frame.s,
                     t: -frame.t,

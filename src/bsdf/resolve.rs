@@ -1,5 +1,5 @@
-//! From a material and a point to numbers: every texture is looked up once, sides are chosen, frames
-//! turned.
+//! From a material and a point to numbers: every texture is looked up once, sides are chosen,
+//! frames turned.
 
 use super::fresnel::sane_eta;
 use super::layer::{Coating, Layer, RoughCoating};
@@ -58,8 +58,8 @@ struct Resolver<'a> {
 }
 
 impl Resolver<'_> {
-    /// Adds the nodes of `material`; `frame` is the shading frame that maps turn and `wo` is local to
-    /// it, mirrored where a two-sided material is seen from its back.
+    /// Adds the nodes of `material`; `frame` is the shading frame that maps turn and `wo` is local
+    /// to it, mirrored where a two-sided material is seen from its back.
     #[inline]
     fn add(&mut self, id: MaterialId, frame: &Frame, wo: Vec3) -> NodeId {
         let Some(material) = self.lookup.materials.list.get(id as usize) else {
@@ -167,8 +167,9 @@ impl Resolver<'_> {
         bumped_normal(frame, p.ng, (p.dp_du, p.dp_dv), gradient * scale)
     }
 
-    /// Change of a texture along u or v, which move the point by `axis`: a central difference over two
-    /// ten-thousandths of the texture, a thousand times the rounding of f32 texture coordinates.
+    /// Change of a texture along u or v, which move the point by `axis`: a central difference over
+    /// two ten-thousandths of the texture, a thousand times the rounding of f32 texture
+    /// coordinates.
     fn slope(&self, texture: &Texture, along: Vec2, axis: Vec3) -> f32 {
         const STEP: f32 = 1e-4;
         let at = |step: f32| {

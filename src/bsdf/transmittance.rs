@@ -117,8 +117,8 @@ pub(super) fn over_normals(
     sum as f32
 }
 
-/// Nodes and weights of Gauss and Legendre's rule on `[0, 1]`: the roots of the Legendre polynomial by
-/// Newton's method, from the asymptotic guess.
+/// Nodes and weights of Gauss and Legendre's rule on `[0, 1]`: the roots of the Legendre polynomial
+/// by Newton's method, from the asymptotic guess.
 pub(super) fn gauss_legendre<const N: usize>() -> [(f32, f32); N] {
     let n = N as f64;
     std::array::from_fn(|i| {

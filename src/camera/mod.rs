@@ -1,8 +1,9 @@
 //! Cameras: from a place on the film and a place on the lens to a ray.
 //!
-//! A camera is set up and evaluated in `f64`, and only the finished ray is rounded: a telephoto lens
-//! far from the origin asks for directions that differ by less than `f32` arithmetic would keep.
-//! The conventions are Mitsuba 3's; `tests/vectors/camera.txt` holds rays it made, which the tests compare.
+//! A camera is set up and evaluated in `f64`, and only the finished ray is rounded: a telephoto
+//! lens far from the origin asks for directions that differ by less than `f32` arithmetic would
+//! keep. The conventions are Mitsuba 3's; `tests/vectors/camera.txt` holds rays it made, which the
+//! tests compare.
 
 use crate::accel::Ray;
 use crate::math::warp::concentric_disk;
@@ -37,7 +38,8 @@ pub enum Projection {
         fov_degrees: f64,
         /// What it spans.
         fov_axis: FovAxis,
-        /// Shift of the image in units of its width and height (Mitsuba 3 `principal_point_offset_*`).
+        /// Shift of the image in units of its width and height (Mitsuba 3
+        /// `principal_point_offset_*`).
         principal_point: [f64; 2],
     },
     /// A thin lens.
@@ -60,7 +62,8 @@ pub enum Projection {
     Spherical,
 }
 
-/// A camera as a scene describes it. Camera space: looks along +z, +y is up, +x is *left* (Mitsuba's convention).
+/// A camera as a scene describes it. Camera space: looks along +z, +y is up, +x is *left*
+/// (Mitsuba's convention).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraDescription {
     /// Camera space to world space.
@@ -78,7 +81,8 @@ pub struct CameraDescription {
 pub struct Camera {
     /// Camera space to world space.
     to_world: DAffine3,
-    /// Camera-space x and y at depth 1 (on the film plane for parallel rays) of the film's upper left corner.
+    /// Camera-space x and y at depth 1 (on the film plane for parallel rays) of the film's upper
+    /// left corner.
     corner: [f64; 2],
     /// Change of the same per pixel.
     step: [f64; 2],
@@ -179,7 +183,8 @@ impl Camera {
         }
     }
 
-    /// The ray through `film` (pixels from the upper left corner of the full film) and `lens` (unit square).
+    /// The ray through `film` (pixels from the upper left corner of the full film) and `lens` (unit
+    /// square).
     #[inline]
     pub fn ray(&self, film: Vec2, lens: Vec2) -> CameraRay {
         let x = self.corner[0] + self.step[0] * f64::from(film.x);
@@ -205,7 +210,8 @@ impl Camera {
         }
     }
 
-    /// Where on the film, in pixels, a point of camera space before the camera is seen; through the middle of the lens.
+    /// Where on the film, in pixels, a point of camera space before the camera is seen; through the
+    /// middle of the lens.
     pub fn place(&self, point: DVec3) -> [f64; 2] {
         let depth = match self.lens {
             Lens::Parallel => 1.0,
@@ -244,7 +250,8 @@ impl Camera {
     }
 }
 
-/// Half the film's width at depth 1, for a field of view along `axis` and a film of this width over height.
+/// Half the film's width at depth 1, for a field of view along `axis` and a film of this width over
+/// height.
 fn half_width(fov_degrees: f64, axis: FovAxis, aspect: f64) -> f64 {
     let half = (fov_degrees.to_radians() * 0.5).tan();
     match axis {

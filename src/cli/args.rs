@@ -155,7 +155,8 @@ pub struct RenderArgs {
         help_heading = "Output"
     )]
     pub reference: Option<PathBuf>,
-    /// Settings for a purpose: when to stop, and how long to learn; options that are given besides win
+    /// Settings for a purpose: when to stop, and how long to learn; options that are given besides
+    /// win
     #[arg(
         long,
         value_name = "NAME",
@@ -206,8 +207,8 @@ pub enum Preset {
 /// Samples that went wrong.
 #[derive(Args, Debug)]
 pub struct DoubtArgs {
-    /// End with exit code 3 if a sample or a photon was not finite and had to be left out; the image
-    /// is written all the same
+    /// End with exit code 3 if a sample or a photon was not finite and had to be left out; the
+    /// image is written all the same
     #[arg(long, help_heading = "Doubt")]
     pub strict: bool,
     /// Trace one sample of this pixel and print its path; nothing is written

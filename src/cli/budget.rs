@@ -1,8 +1,8 @@
-//! Whether a scene fits into memory: asked before it is loaded and again before its trees are built, so
-//! that the program says no with numbers instead of being ended by the system.
+//! Whether a scene fits into memory: asked before it is loaded and again before its trees are
+//! built, so that the program says no with numbers instead of being ended by the system.
 //!
-//! The estimates are upper bounds of what was measured ([`manual::speed`](crate::manual::speed)); they
-//! err by tens of per cent, not by factors.
+//! The estimates are upper bounds of what was measured ([`manual::speed`](crate::manual::speed));
+//! they err by tens of per cent, not by factors.
 
 use super::ray_args::AccelBuild;
 use super::{Failure, memory};
@@ -51,8 +51,8 @@ pub fn check_files(sources: &[ModelSource]) -> Result<(), Failure> {
     ))
 }
 
-/// Most memory that reading a file takes, in sizes of the file; the file itself, which is mapped, does
-/// not count.
+/// Most memory that reading a file takes, in sizes of the file; the file itself, which is mapped,
+/// does not count.
 fn growth(path: &std::path::Path) -> f64 {
     match ModelKind::from_path(path) {
         Some(ModelKind::Mesh(MeshKind::Obj)) => 3.5,

@@ -1,8 +1,10 @@
-//! Checkpoints: the state of a render in a file beside its first output, so that a machine may go away.
+//! Checkpoints: the state of a render in a file beside its first output, so that a machine may go
+//! away.
 //!
-//! A checkpoint of `out.exr` is the part file `out.exr.checkpoint`. It is written every `--checkpoint`, on
-//! SIGUSR1, and when the render is interrupted; it is read by `--resume`, and goes when the render is
-//! complete. The render it is read by must be the one that wrote it: what differs is said.
+//! A checkpoint of `out.exr` is the part file `out.exr.checkpoint`. It is written every
+//! `--checkpoint`, on SIGUSR1, and when the render is interrupted; it is read by `--resume`, and
+//! goes when the render is complete. The render it is read by must be the one that wrote it: what
+//! differs is said.
 
 use super::Failure;
 use super::part_args::PartArgs;

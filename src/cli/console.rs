@@ -1,10 +1,10 @@
 //! Messages for the person at the terminal, on standard error.
 //!
-//! Logging goes through `tracing`; this is what makes lines of it: `warning: ...`, `error: ...`, and
-//! plain sentences for what is merely told. Lines move a progress bar out of their way.
+//! Logging goes through `tracing`; this is what makes lines of it: `warning: ...`, `error: ...`,
+//! and plain sentences for what is merely told. Lines move a progress bar out of their way.
 //!
-//! Standard error may be closed, full, or a terminal that has gone. What cannot be written is lost then,
-//! and nothing else: no render ends because nobody listens.
+//! Standard error may be closed, full, or a terminal that has gone. What cannot be written is lost
+//! then, and nothing else: no render ends because nobody listens.
 
 use super::args::{LogLevel, TalkArgs};
 use indicatif::{MultiProgress, ProgressDrawTarget, TermLike};
@@ -53,7 +53,8 @@ impl Console {
             .event_format(Sentence)
             .with_writer(console.clone())
             .finish();
-        // Fails only where a program that embeds this one has set its own subscriber: then that one counts.
+        // Fails only where a program that embeds this one has set its own subscriber: then that one
+        // counts.
         let _ = tracing::subscriber::set_global_default(subscriber);
         console
     }
@@ -68,8 +69,8 @@ impl Console {
         has_terminal()
     }
 
-    /// Takes the bars away before the program ends. Waits for a moment only: whoever draws at them may be
-    /// waiting for the terminal.
+    /// Takes the bars away before the program ends. Waits for a moment only: whoever draws at them
+    /// may be waiting for the terminal.
     pub fn leave(&self) {
         let (sender, done) = mpsc::channel();
         let bars = self.bars.clone();
@@ -107,7 +108,8 @@ fn heedless(result: io::Result<()>) -> io::Result<()> {
     Ok(())
 }
 
-/// Standard error as a terminal for bars, which drops what cannot be written: `indicatif` panics at errors.
+/// Standard error as a terminal for bars, which drops what cannot be written: `indicatif` panics at
+/// errors.
 #[derive(Debug)]
 struct Terminal(::console::Term);
 
@@ -230,7 +232,8 @@ pub fn print_error(text: &str) {
     let _ = writeln!(io::stderr(), "error: {text}");
 }
 
-/// Prints `text` on standard output. A reader that has gone (`twintree info ... | head`) is no error.
+/// Prints `text` on standard output. A reader that has gone (`twintree info ... | head`) is no
+/// error.
 ///
 /// # Errors
 /// When standard output refuses for another reason.

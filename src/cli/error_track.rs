@@ -1,9 +1,9 @@
 //! `--reference`: how far the image is from the truth, measured while it renders.
 //!
-//! Points of the curve lie a constant factor apart, for an error falls with the root of the time: after
-//! each doubling of the samples, or a quarter more time. Rendering waits meanwhile, and its clock does too
-//! ([`Observer::time_aside`](crate::integrate::progress::Observer::time_aside)): a curve costs an image
-//! nothing, however often it is looked at.
+//! Points of the curve lie a constant factor apart, for an error falls with the root of the time:
+//! after each doubling of the samples, or a quarter more time. Rendering waits meanwhile, and its
+//! clock does too ([`Observer::time_aside`](crate::integrate::progress::Observer::time_aside)): a
+//! curve costs an image nothing, however often it is looked at.
 
 use super::Failure;
 use crate::film::layers::{Layers, Metadata};

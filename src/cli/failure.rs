@@ -20,7 +20,8 @@ pub const FAILED: u8 = 1;
 pub const WRONG: u8 = 2;
 /// Exit code when samples were not finite and `--strict` asks.
 pub const INVALID: u8 = 3;
-/// Exit code after an interrupt with a checkpoint: BSD's EX_TEMPFAIL, "try again", which queues know.
+/// Exit code after an interrupt with a checkpoint: BSD's EX_TEMPFAIL, "try again", which queues
+/// know.
 pub const CHECKPOINTED: u8 = 75;
 /// Exit code after Ctrl-C or SIGTERM: 128 and the number of SIGINT, as shells have it.
 pub const INTERRUPTED: u8 = 130;

@@ -26,7 +26,8 @@ use std::path::Path;
 /// Prints and draws what is asked for.
 ///
 /// # Errors
-/// When the field or the scene cannot be used, the pixel sees nothing, or a picture cannot be written.
+/// When the field or the scene cannot be used, the pixel sees nothing, or a picture cannot be
+/// written.
 pub fn run(args: &FieldArgs) -> Result<(), Failure> {
     for path in args.output.iter().chain(&args.tree) {
         Format::of(path)?;

@@ -19,14 +19,15 @@ pub struct GuideArgs {
     #[arg(long, value_name = "FILE", help_heading = "Guiding",
           conflicts_with_all = ["photons", "paths", "batches", "guide_memory", "guide_model", "train"])]
     pub field: Option<PathBuf>,
-    /// Take a field of another scene or camera, too: the image has the same mean, but may be noisier
+    /// Take a field of another scene or camera, too: the image has the same mean, but may be
+    /// noisier
     #[arg(long, requires = "field", help_heading = "Guiding")]
     pub any_scene: bool,
     /// How a field is learned.
     #[command(flatten)]
     pub learn: LearnArgs,
-    /// Share of the directions that come from the field, 0.1 to 0.9, the others from the material; or
-    /// "learned", place by place
+    /// Share of the directions that come from the field, 0.1 to 0.9, the others from the material;
+    /// or "learned", place by place
     #[arg(
         long,
         value_name = "SHARE",
@@ -42,8 +43,8 @@ pub struct GuideArgs {
         help_heading = "Guiding"
     )]
     pub roulette: RouletteBy,
-    /// How many pixels' paths share what they find behind their first rough vertices, where a field guides;
-    /// 1: each is for itself, and the noise of neighbours independent
+    /// How many pixels' paths share what they find behind their first rough vertices, where a field
+    /// guides; 1: each is for itself, and the noise of neighbours independent
     #[arg(
         long,
         value_name = "N",
@@ -52,7 +53,8 @@ pub struct GuideArgs {
         help_heading = "Guiding"
     )]
     pub reuse: u32,
-    /// Manifold next-event estimation: guided paths sample suns and lamps behind glass and in mirrors
+    /// Manifold next-event estimation: guided paths sample suns and lamps behind glass and in
+    /// mirrors
     #[arg(
         long,
         alias = "aim",
@@ -61,8 +63,8 @@ pub struct GuideArgs {
         help_heading = "Guiding"
     )]
     pub manifold: Manifold,
-    /// Whether pixels that are noisier take more of the samples, where the first samples teach a field; --spp then is
-    /// what they take on average
+    /// Whether pixels that are noisier take more of the samples, where the first samples teach a
+    /// field; --spp then is what they take on average
     #[arg(
         long,
         value_name = "WHEN",
@@ -70,7 +72,8 @@ pub struct GuideArgs {
         help_heading = "Guiding"
     )]
     pub adaptive: Adaptive,
-    /// Whether a short trial tells if a field that is learned pays, and ends guiding where it does not
+    /// Whether a short trial tells if a field that is learned pays, and ends guiding where it does
+    /// not
     #[arg(
         long,
         value_name = "WHEN",
@@ -90,15 +93,16 @@ impl GuideArgs {
 
 /// How many paths share what they find, unless told otherwise.
 const REUSE: u32 = 32;
-/// Camera paths that teach a field, unless told otherwise. (A quarter of the samples instead of three, for small images of
-/// 64 samples: variance times time of a kitchen 0.96 instead of 0.90, veach-ajar 0.41 and 0.42, lux-pool 2.0 and 2.1;
-/// the image's own variance up to 1.12 times.)
+/// Camera paths that teach a field, unless told otherwise. (A quarter of the samples instead of
+/// three, for small images of 64 samples: variance times time of a kitchen 0.96 instead of 0.90,
+/// veach-ajar 0.41 and 0.42, lux-pool 2.0 and 2.1; the image's own variance up to 1.12 times.)
 pub const PATHS: u64 = 2_000_000;
 
 /// What Russian roulette goes by where a field guides.
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RouletteBy {
-    /// How much light the field expects them to bring: what brings little is ended, what brings much split
+    /// How much light the field expects them to bring: what brings little is ended, what brings
+    /// much split
     Field,
     /// Low throughput, as without a field
     Throughput,
@@ -154,10 +158,12 @@ pub struct LearnArgs {
         help_heading = "Guiding"
     )]
     pub train: Teachers,
-    /// Batches that --photons come in, each twice as large as the one before; with --guide gmm 30 of one size
+    /// Batches that --photons come in, each twice as large as the one before; with --guide gmm 30
+    /// of one size
     #[arg(long, value_name = "N", default_value_t = 8, default_value_if("guide", "gmm", "30"), value_parser = clap::value_parser!(u32).range(1..=32), help_heading = "Guiding")]
     pub batches: u32,
-    /// Memory for learning, such as 64M: the field's trees while they are trained, and the records that they learn from
+    /// Memory for learning, such as 64M: the field's trees while they are trained, and the records
+    /// that they learn from
     #[arg(long, value_name = "BYTES", default_value = "256M", value_parser = values::bytes, help_heading = "Guiding")]
     pub guide_memory: usize,
     /// What describes the directions of a cell
@@ -231,17 +237,19 @@ pub struct MergeFieldsArgs {
 pub struct FieldArgs {
     /// Field that "twintree train" made
     pub field: PathBuf,
-    /// Print what is in it: records, nodes, links, depths, bytes. The default, if nothing else is asked for
+    /// Print what is in it: records, nodes, links, depths, bytes. The default, if nothing else is
+    /// asked for
     #[arg(long, help_heading = "What to show")]
     pub stats: bool,
     /// Print JSON
     #[arg(long, help_heading = "What to show")]
     pub json: bool,
-    /// Draw where light comes from at the point that a pixel sees: left as the field has it, right as
-    /// unguided paths find it
+    /// Draw where light comes from at the point that a pixel sees: left as the field has it, right
+    /// as unguided paths find it
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, requires_all = ["scene", "output"], help_heading = "What to show")]
     pub pixel: Option<Pixel>,
-    /// File for that: directions, the scene's z axis up, as densities, 1 is the mean over the sphere
+    /// File for that: directions, the scene's z axis up, as densities, 1 is the mean over the
+    /// sphere
     #[arg(
         short,
         long,
@@ -269,7 +277,8 @@ pub struct FieldArgs {
         help_heading = "Scene"
     )]
     pub define: Vec<Definition>,
-    /// Put something plain in the place of what is not supported, with a warning, instead of giving up
+    /// Put something plain in the place of what is not supported, with a warning, instead of giving
+    /// up
     #[arg(long, help_heading = "Scene")]
     pub lenient: bool,
     /// Take a field of another scene or camera, too
@@ -317,7 +326,8 @@ pub enum Guide {
     None,
     /// A double hierarchy, learned before rendering
     Double,
-    /// Cached Gaussian mixtures (Vorba et al. 2014), learned from photons before rendering: to compare with
+    /// Cached Gaussian mixtures (Vorba et al. 2014), learned from photons before rendering: to
+    /// compare with
     Gmm,
 }
 
@@ -326,9 +336,11 @@ pub enum Guide {
 pub enum GuideModel {
     /// Constants on a tree of directions, as in the paper: learned in less time
     Constant,
-    /// A mixture of von Mises-Fisher lobes with parallax: for lights that are small, or little memory
+    /// A mixture of von Mises-Fisher lobes with parallax: for lights that are small, or little
+    /// memory
     Vmf,
-    /// A mixture of eight Gaussians: learns from fewer records, ahead where light is narrow and moves
+    /// A mixture of eight Gaussians: learns from fewer records, ahead where light is narrow and
+    /// moves
     #[default]
     Gauss,
 }

@@ -1,7 +1,7 @@
 //! `twintree generate`: man pages and shell completions, from the same definitions as `--help`.
 //!
-//! Hidden in `--help`: packages want these files once, at build time. Completions are for the shells that
-//! Debian has, under the names that these shells look for.
+//! Hidden in `--help`: packages want these files once, at build time. Completions are for the
+//! shells that Debian has, under the names that these shells look for.
 
 use super::args::{Cli, GenerateArgs, Manual};
 use super::{Failure, console};

@@ -1,8 +1,8 @@
 //! What makes a render that render and no other: the record of its parts and checkpoints.
 //!
-//! Every setting that can change a bit of a pixel is listed here by the name of its option, so that the
-//! refusal of a part that does not fit can say what differs. Threads, file names, and everything about
-//! how the image is written do not belong here.
+//! Every setting that can change a bit of a pixel is listed here by the name of its option, so that
+//! the refusal of a part that does not fit can say what differs. Threads, file names, and
+//! everything about how the image is written do not belong here.
 
 use super::args::RenderArgs;
 use super::field_args::Guide;

@@ -1,16 +1,17 @@
-//! Signals. While rendering, the first Ctrl-C (or SIGTERM, or SIGHUP) asks for an end after the tiles in
-//! flight, so that what was rendered is kept; the second quits at once. Before and after there is nothing
-//! to save, and the first quits. Whoever quits takes unfinished files and the progress bar away.
+//! Signals. While rendering, the first Ctrl-C (or SIGTERM, or SIGHUP) asks for an end after the
+//! tiles in flight, so that what was rendered is kept; the second quits at once. Before and after
+//! there is nothing to save, and the first quits. Whoever quits takes unfinished files and the
+//! progress bar away.
 //!
-//! What comes twice is often one request: `timeout` signals the program and then its whole group, and a
-//! terminal that goes away sends SIGHUP, as the shell in it does. So what follows within `ONE_REQUEST`
-//! of the first counts with it, and a SIGHUP never makes anybody impatient.
+//! What comes twice is often one request: `timeout` signals the program and then its whole group,
+//! and a terminal that goes away sends SIGHUP, as the shell in it does. So what follows within
+//! `ONE_REQUEST` of the first counts with it, and a SIGHUP never makes anybody impatient.
 //!
 //! A SIGHUP that was ignored when the program began (`nohup`) stays so.
 //!
-//! SIGUSR1 asks for a checkpoint, or for the image so far where none is kept, and for no end. SIGXFSZ is
-//! heard and nothing more: a file that grows beyond its limit is an error of writing then, in words, and
-//! not the end of the program.
+//! SIGUSR1 asks for a checkpoint, or for the image so far where none is kept, and for no end.
+//! SIGXFSZ is heard and nothing more: a file that grows beyond its limit is an error of writing
+//! then, in words, and not the end of the program.
 
 use super::console::Console;
 use super::failure::{Failure, INTERRUPTED};
@@ -98,7 +99,8 @@ impl Interrupt {
         self.state.save.load(Ordering::Relaxed)
     }
 
-    /// The checkpoint that was asked for is about to be written; what is asked for from now on is another one.
+    /// The checkpoint that was asked for is about to be written; what is asked for from now on is
+    /// another one.
     pub fn saves(&self) {
         self.state.save.store(false, Ordering::Relaxed);
     }
@@ -154,7 +156,8 @@ fn say_so() {
     let _ = std::thread::Builder::new().spawn(say);
 }
 
-/// Ends the program without destructors: other threads are still at work with what they would destroy.
+/// Ends the program without destructors: other threads are still at work with what they would
+/// destroy.
 fn quit(console: &Console) {
     passing::clear();
     console.leave();

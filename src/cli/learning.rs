@@ -1,4 +1,5 @@
-//! Learned fields, as the commands share them: learning one, reading one, and what is said about it.
+//! Learned fields, as the commands share them: learning one, reading one, and what is said about
+//! it.
 
 use super::field_args::{Guide as Way, GuideArgs, GuideModel, LearnArgs, Teachers, Trial};
 use super::{Failure, overrides};

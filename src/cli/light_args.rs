@@ -6,7 +6,8 @@ use clap::{Args, ValueEnum};
 /// Light transport and its random numbers.
 #[derive(Args, Debug)]
 pub struct LightArgs {
-    /// Longest path, in edges: 1 is emitters alone, 2 adds direct light; or "unlimited" [default: the scene's]
+    /// Longest path, in edges: 1 is emitters alone, 2 adds direct light; or "unlimited" [default:
+    /// the scene's]
     #[arg(
         long,
         value_name = "N",
@@ -20,7 +21,8 @@ pub struct LightArgs {
     /// Where the samples go, whatever the scene names [default: sobol]
     #[arg(long, value_name = "NAME", help_heading = "Light transport")]
     pub sampler: Option<Sampler>,
-    /// Seed of all random numbers: the same seed gives the same bits, whatever the number of threads
+    /// Seed of all random numbers: the same seed gives the same bits, whatever the number of
+    /// threads
     #[arg(
         long,
         value_name = "N",

@@ -64,8 +64,8 @@ impl Loaded {
             .map_err(|e| Failure::Wrong(format!("an image of the scene cannot be read: {e}")))
     }
 
-    /// Builds the scene for the ray tracer that was asked for, in the way that was asked for or that
-    /// memory allows.
+    /// Builds the scene for the ray tracer that was asked for, in the way that was asked for or
+    /// that memory allows.
     ///
     /// # Errors
     /// When the scene cannot be used, or memory does not suffice.
@@ -136,8 +136,8 @@ impl Input {
     /// Decides what is to be loaded.
     ///
     /// # Errors
-    /// When scenes and models are mixed, options do not go with what is named, or the steps behind a
-    /// model make no sense.
+    /// When scenes and models are mixed, options do not go with what is named, or the steps behind
+    /// a model make no sense.
     pub fn of(args: &SceneArgs) -> Result<Self, Failure> {
         let mut sources = Vec::new();
         for word in &args.files {
@@ -250,7 +250,8 @@ pub fn load(
     load_in(args, input, &args.studio, picture)
 }
 
-/// Reads a scene, or models without the light of a studio, which would stand among what is measured.
+/// Reads a scene, or models without the light of a studio, which would stand among what is
+/// measured.
 ///
 /// # Errors
 /// As [`load`].
@@ -306,7 +307,8 @@ fn load_in(
 /// Warnings that are printed, at most: further ones are in `--stats`, and with --log-level debug.
 const MOST_WARNINGS: usize = 100;
 
-/// Prints what is odd about a scene, as far as that helps: a scene may have as many warnings as shapes.
+/// Prints what is odd about a scene, as far as that helps: a scene may have as many warnings as
+/// shapes.
 fn print_warnings(warnings: &[String], args: &SceneArgs) {
     let all = tracing::enabled!(tracing::Level::DEBUG);
     let shown = if all { warnings.len() } else { MOST_WARNINGS };

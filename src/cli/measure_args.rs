@@ -36,7 +36,8 @@ pub struct CompareArgs {
         help_heading = "Metrics"
     )]
     pub exposure: f32,
-    /// Compute SSIM and PSNR of the linear numbers, taken to span RANGE, instead of the pictures as shown
+    /// Compute SSIM and PSNR of the linear numbers, taken to span RANGE, instead of the pictures as
+    /// shown
     #[arg(long, value_name = "RANGE", value_parser = values::range, help_heading = "Metrics")]
     pub data_range: Option<f64>,
     /// Limits.
@@ -119,8 +120,8 @@ pub struct BenchScaleArgs {
     /// Seconds for each rate: the rays are traced again and again, and the median counts
     #[arg(long, value_name = "SECONDS", default_value_t = 0.3, value_parser = values::limit)]
     pub seconds: f64,
-    /// Where the meshes are written while they are needed: 20 bytes a triangle [default: the system's
-    /// directory for temporary files]
+    /// Where the meshes are written while they are needed: 20 bytes a triangle [default: the
+    /// system's directory for temporary files]
     #[arg(long, value_name = "DIRECTORY")]
     pub directory: Option<PathBuf>,
     /// Write the numbers as JSON

@@ -7,8 +7,8 @@ pub fn peak_bytes() -> Option<u64> {
     kilobytes_of("/proc/self/status", "VmHWM:")
 }
 
-/// Memory that the process could still get without swapping, bytes: what the system has, bounded by the
-/// control groups that the process is in (containers, batch systems) and by `ulimit -v`.
+/// Memory that the process could still get without swapping, bytes: what the system has, bounded by
+/// the control groups that the process is in (containers, batch systems) and by `ulimit -v`.
 pub fn available_bytes() -> Option<u64> {
     let system = kilobytes_of("/proc/meminfo", "MemAvailable:")?;
     let bounds = [left_in_groups(), left_of_address_space()];

@@ -1,7 +1,7 @@
 //! `twintree merge`: from the parts of an image to the image.
 //!
-//! Parts bring whole tiles, so that merging adds nothing and the order of the parts does not matter. They
-//! are read one after the other: the film is in memory once.
+//! Parts bring whole tiles, so that merging adds nothing and the order of the parts does not
+//! matter. They are read one after the other: the film is in memory once.
 
 use super::Failure;
 use super::output::Outputs;
@@ -21,7 +21,8 @@ type Known = (PathBuf, Record);
 /// Joins parts and writes images.
 ///
 /// # Errors
-/// When a part is damaged or of another image, parts overlap or are missing, or an image cannot be written.
+/// When a part is damaged or of another image, parts overlap or are missing, or an image cannot be
+/// written.
 pub fn run(args: &MergeArgs) -> Result<(), Failure> {
     let start = Instant::now();
     let mut parts: Vec<Known> = Vec::new();

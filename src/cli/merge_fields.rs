@@ -1,4 +1,5 @@
-//! `twintree merge-fields`: adds fields that were learned over one structure from different records.
+//! `twintree merge-fields`: adds fields that were learned over one structure from different
+//! records.
 
 use super::field_args::MergeFieldsArgs;
 use super::learning::{self, Opened};
@@ -7,8 +8,8 @@ use super::{Failure, targets};
 /// Adds and writes.
 ///
 /// # Errors
-/// When a field cannot be read, fields do not belong together, records overlap or are missing, or the
-/// sum cannot be written.
+/// When a field cannot be read, fields do not belong together, records overlap or are missing, or
+/// the sum cannot be written.
 pub fn run(args: &MergeFieldsArgs) -> Result<(), Failure> {
     targets::try_target(&args.output)?;
     let fields = args.fields.iter();

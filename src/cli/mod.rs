@@ -1,8 +1,9 @@
 //! The command line: one file a subcommand, and what they share.
 //!
 //! [`args`] says what can be typed and is the manual (`--help`), [`values`] reads the words with a
-//! grammar of their own (`1h30m`, `512M`), [`failure`] decides exit codes. Everything a person reads goes
-//! to standard error through [`console`]; standard output carries only what was asked for.
+//! grammar of their own (`1h30m`, `512M`), [`failure`] decides exit codes. Everything a person
+//! reads goes to standard error through [`console`]; standard output carries only what was asked
+//! for.
 
 pub mod args;
 pub mod bench;

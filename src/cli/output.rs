@@ -67,8 +67,8 @@ impl Outputs {
         images.chain(stats).collect()
     }
 
-    /// Decides the names and tries every one of them: a render of an hour must not end at a typing error.
-    /// A shard has one output, its part.
+    /// Decides the names and tries every one of them: a render of an hour must not end at a typing
+    /// error. A shard has one output, its part.
     ///
     /// # Errors
     /// When a name has no known format, it cannot be written, or two are the same.
@@ -209,7 +209,8 @@ fn rescue(path: &Path, picture: &Image, options: &WriteOptions) -> Option<PathBu
     image::write(&kept, picture, options).ok().map(|()| kept)
 }
 
-/// The scene's name with another extension, in the current directory; the shard's number before that.
+/// The scene's name with another extension, in the current directory; the shard's number before
+/// that.
 ///
 /// # Errors
 /// When the scene has no name.

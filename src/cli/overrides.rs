@@ -148,11 +148,12 @@ pub fn guided_path_settings(args: &RenderArgs, scene: &RenderDescription) -> Pat
     }
 }
 
-/// Where the samples go: Sobol points unless the command line says otherwise, with and without a field, whatever the scene
-/// names, for a scene mostly asks for independent numbers because that is what its format has by default. (Relative
-/// variance of 64 guided samples without the worst 0.1 % of the pixels, with independent numbers and with Sobol points: a
-/// kitchen 0.057, 0.052; a torus in glass 0.0101, 0.0078; veach-ajar 0.0305, 0.0284; lux-pool 0.093, 0.090;
-/// `scenes/pool` 0.0236, 0.0190; in 1.0 to 1.07 times the time.)
+/// Where the samples go: Sobol points unless the command line says otherwise, with and without a
+/// field, whatever the scene names, for a scene mostly asks for independent numbers because that is
+/// what its format has by default. (Relative variance of 64 guided samples without the worst 0.1 %
+/// of the pixels, with independent numbers and with Sobol points: a kitchen 0.057, 0.052; a torus
+/// in glass 0.0101, 0.0078; veach-ajar 0.0305, 0.0284; lux-pool 0.093, 0.090; `scenes/pool` 0.0236,
+/// 0.0190; in 1.0 to 1.07 times the time.)
 fn sampler(args: &LightArgs) -> SamplerKind {
     match args.sampler {
         Some(Sampler::Independent) => SamplerKind::Independent,

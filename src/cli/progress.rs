@@ -54,8 +54,8 @@ struct Shown {
 }
 
 impl<'a> Watch<'a> {
-    /// Starts watching a render of `film`, which may go on from a checkpoint: `before` is the time it
-    /// has taken already.
+    /// Starts watching a render of `film`, which may go on from a checkpoint: `before` is the time
+    /// it has taken already.
     pub fn start(
         interrupt: &'a Interrupt,
         console: &Console,
@@ -230,8 +230,8 @@ impl Observer for Watch<'_> {
     }
 }
 
-/// Which part of the work is done, by the limit that will be reached first. The error of a mean falls
-/// with the root of the samples, so noise tells the part by its square.
+/// Which part of the work is done, by the limit that will be reached first. The error of a mean
+/// falls with the root of the samples, so noise tells the part by its square.
 fn fraction_done(
     limits: &Limits,
     pixels: u64,

@@ -74,8 +74,8 @@ impl Cli {
     }
 }
 
-/// A negative number behind an option is its value, which the option's own words refuse: otherwise clap
-/// takes it for another option, and speaks of that.
+/// A negative number behind an option is its value, which the option's own words refuse: otherwise
+/// clap takes it for another option, and speaks of that.
 fn with_plain_errors(command: clap::Command) -> clap::Command {
     let takes_numbers = |arg: clap::Arg| {
         let plain = !arg.get_action().takes_values()

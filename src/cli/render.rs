@@ -47,7 +47,8 @@ struct Setting<'a> {
 /// Renders and writes.
 ///
 /// # Errors
-/// When the scene cannot be used or an image cannot be written; after an interrupt, with all written.
+/// When the scene cannot be used or an image cannot be written; after an interrupt, with all
+/// written.
 pub fn run(args: &RenderArgs, console: &Console, interrupt: &Interrupt) -> Result<(), Failure> {
     if let Some(pixel) = args.doubt.pixel {
         return super::single::run(args, pixel.0);
@@ -156,8 +157,8 @@ pub fn run(args: &RenderArgs, console: &Console, interrupt: &Interrupt) -> Resul
     invalid::check(args, left_out)
 }
 
-/// Fills the film from the checkpoint, if that is wanted, and says what it has cost so far; `None` if
-/// there is nothing left to do.
+/// Fills the film from the checkpoint, if that is wanted, and says what it has cost so far; `None`
+/// if there is nothing left to do.
 fn go_on(
     args: &RenderArgs,
     outputs: &Outputs,

@@ -11,8 +11,8 @@ use std::path::PathBuf;
 /// Which scene, and how to read it.
 #[derive(Args, Debug)]
 pub struct SceneArgs {
-    /// Scene file (Mitsuba XML), or models (.ply .obj .stl .gltf .glb), each with steps behind an @:
-    /// a.ply@translate=1,0,0;rotate=y,90;scale=2;material=gold;flat;flip
+    /// Scene file (Mitsuba XML), or models (.ply .obj .stl .gltf .glb), each with steps behind an
+    /// @: a.ply@translate=1,0,0;rotate=y,90;scale=2;material=gold;flat;flip
     #[arg(required = true, value_name = "SCENE|MODEL")]
     pub files: Vec<OsString>,
     /// What is around models.
@@ -45,8 +45,8 @@ pub struct SceneArgs {
 /// What is around models that come without a scene.
 #[derive(Args, Debug, Clone, Default, PartialEq)]
 pub struct StudioArgs {
-    /// Camera: orbit:AZIMUTH,ELEVATION in degrees, from:X,Y,Z, or the name or number of a glTF camera
-    /// [default: the models' first camera, or orbit:30,20]
+    /// Camera: orbit:AZIMUTH,ELEVATION in degrees, from:X,Y,Z, or the name or number of a glTF
+    /// camera [default: the models' first camera, or orbit:30,20]
     #[arg(
         long,
         value_name = "VIEW",
@@ -60,7 +60,8 @@ pub struct StudioArgs {
     /// Field of view along the picture's shorter side, degrees [default: the camera's, or 35]
     #[arg(long, value_name = "DEGREES", value_parser = values::field_of_view, help_heading = "Models without a scene")]
     pub fov: Option<f64>,
-    /// Light: studio, white, white:R,G,B, sun, sun:AZIMUTH,ELEVATION or none [default: studio, if the models bring no light]
+    /// Light: studio, white, white:R,G,B, sun, sun:AZIMUTH,ELEVATION or none [default: studio, if
+    /// the models bring no light]
     #[arg(long, value_name = "SKY", help_heading = "Models without a scene")]
     pub sky: Option<Sky>,
     /// Image around the scene, latitude by longitude
@@ -69,9 +70,9 @@ pub struct StudioArgs {
     /// Ground under the models [material if none is named: matte:0.4]
     #[arg(long, value_name = "MATERIAL", num_args = 0..=1, require_equals = true, default_missing_value = "matte:0.4", help_heading = "Models without a scene")]
     pub ground: Option<Paint>,
-    /// Material of all models: clay, matte, plastic, metal, mirror, glass, frosted, water, gold, silver,
-    /// copper, aluminium, chrome, tungsten; with a colour as in plastic:0.8,0.1,0.1 or clay:#cc3311
-    /// [default: the models' own; clay, with the colours of their vertices]
+    /// Material of all models: clay, matte, plastic, metal, mirror, glass, frosted, water, gold,
+    /// silver, copper, aluminium, chrome, tungsten; with a colour as in plastic:0.8,0.1,0.1 or
+    /// clay:#cc3311 [default: the models' own; clay, with the colours of their vertices]
     #[arg(long, value_name = "MATERIAL", help_heading = "Models without a scene")]
     pub material: Option<Paint>,
     /// Axis of the models that is up; glTF files are turned accordingly

@@ -11,8 +11,8 @@ use crate::integrate::debug::inspect::{MOST_STEPS, Step, Traced, trace_sample, t
 use crate::math::{Rgb, Vec3};
 use std::fmt::Write as _;
 
-/// Traces the sample and prints its path. A guided render learns while it draws: then all is done again
-/// that was learned before the sample was taken.
+/// Traces the sample and prints its path. A guided render learns while it draws: then all is done
+/// again that was learned before the sample was taken.
 ///
 /// # Errors
 /// When the scene cannot be used, or the pixel is not on the film.

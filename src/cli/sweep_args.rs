@@ -33,8 +33,8 @@ pub struct SweepArgs {
     /// Time that curves and advice go by
     #[arg(long, value_name = "NAME", default_value = "wall")]
     pub clock: ClockBy,
-    /// Try what this file says instead: JSON with "base", "knobs" and "combinations"; --dry-run shows
-    /// what that comes to
+    /// Try what this file says instead: JSON with "base", "knobs" and "combinations"; --dry-run
+    /// shows what that comes to
     #[arg(long, value_name = "FILE")]
     pub plan: Option<PathBuf>,
     /// Print the commands and run nothing

@@ -1,12 +1,12 @@
-//! The files that a command is to write, tried before the work: an hour of rendering must not end at a
-//! typing error, and nothing is replaced that was meant to be kept.
+//! The files that a command is to write, tried before the work: an hour of rendering must not end
+//! at a typing error, and nothing is replaced that was meant to be kept.
 
 use super::Failure;
 use crate::image::atomic;
 use std::path::{Path, PathBuf};
 
-/// Finds out whether a file can be written: makes and removes one in its directory. What is there is
-/// neither opened for reading nor changed.
+/// Finds out whether a file can be written: makes and removes one in its directory. What is there
+/// is neither opened for reading nor changed.
 ///
 /// # Errors
 /// When it cannot be written, or what is there is no regular file, or read-only.

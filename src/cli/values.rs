@@ -1,5 +1,5 @@
-//! Words of the command line that have a grammar of their own. Each parser's error is the sentence that
-//! clap prints after `invalid value '...' for '...':`.
+//! Words of the command line that have a grammar of their own. Each parser's error is the sentence
+//! that clap prints after `invalid value '...' for '...':`.
 
 use crate::film::Shard;
 use std::str::FromStr;

@@ -81,7 +81,8 @@ fn corners(min: Vec3, max: Vec3) -> [DVec3; 8] {
     })
 }
 
-/// Why nothing inside these corners is seen; none where a ray through another point might meet something.
+/// Why nothing inside these corners is seen; none where a ray through another point might meet
+/// something.
 fn unseen(
     corners: &[DVec3; 8],
     camera: &Camera,

@@ -1,5 +1,5 @@
-//! What is shown while one waits for work that says nothing itself: on a terminal a line that moves, elsewhere a
-//! line now and then.
+//! What is shown while one waits for work that says nothing itself: on a terminal a line that
+//! moves, elsewhere a line now and then.
 
 use super::console::Console;
 use super::progress::{BAR_INTERVAL, LONGEST_SILENCE, fitting, spinner};
@@ -18,7 +18,8 @@ pub struct Waiting {
 }
 
 impl Waiting {
-    /// For a field that is learned. `records` are the photons and paths that there will be, if that is known.
+    /// For a field that is learned. `records` are the photons and paths that there will be, if that
+    /// is known.
     pub fn for_learning(console: &Console, records: Option<u64>) -> Self {
         let before = traced();
         Self::start(console, move |seconds| {

@@ -98,8 +98,8 @@ fn sinc(x: f32) -> f32 {
     if x.abs() < 1e-4 { 1.0 } else { x.sin() / x }
 }
 
-/// Bins of a tabulated filter over its whole width. Between their edges the filter is taken as linear: 1e-4
-/// of its peak from its formula at most.
+/// Bins of a tabulated filter over its whole width. Between their edges the filter is taken as
+/// linear: 1e-4 of its peak from its formula at most.
 const BINS: usize = 512;
 
 /// Draws places from a filter.

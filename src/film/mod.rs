@@ -1,9 +1,9 @@
 //! The film: where samples become pixels.
 //!
-//! Each sample belongs to one pixel. A reconstruction filter wider than a pixel is applied by drawing
-//! the sample's place from the filter ([`filter::FilterSampler::sample`]) instead of spreading the sample over
-//! pixels: pixels stay independent, so tiles need no borders, variance is per pixel, and the sum of a
-//! pixel does not depend on threads.
+//! Each sample belongs to one pixel. A reconstruction filter wider than a pixel is applied by
+//! drawing the sample's place from the filter ([`filter::FilterSampler::sample`]) instead of
+//! spreading the sample over pixels: pixels stay independent, so tiles need no borders, variance is
+//! per pixel, and the sum of a pixel does not depend on threads.
 
 pub mod filter;
 
@@ -52,8 +52,8 @@ pub use tile::{Late, Pixel, Sample, TILE_SIZE, Tile};
 /// Sums of samples, stored in tiles.
 ///
 /// A tile is rendered by one task at a time and a pixel's samples are added in their order, so the
-/// sums depend neither on threads nor on how samples were cut into passes. A film may hold some of its
-/// tiles only, a [`Shard`] of them: a tile that is not held has no pixels, and looks black.
+/// sums depend neither on threads nor on how samples were cut into passes. A film may hold some of
+/// its tiles only, a [`Shard`] of them: a tile that is not held has no pixels, and looks black.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
     /// x0, y0, x1, y1 on the full film.
@@ -154,8 +154,8 @@ impl Film {
         pixel.unwrap_or(&UNTOUCHED)
     }
 
-    /// Number of the tile, and of the pixel in it, that the pixel `(x, y)` of the full film is in; `None`
-    /// beyond the region.
+    /// Number of the tile, and of the pixel in it, that the pixel `(x, y)` of the full film is in;
+    /// `None` beyond the region.
     pub fn place(&self, [x, y]: [u32; 2]) -> Option<(usize, usize)> {
         let [x0, y0, x1, y1] = self.region;
         if !(x0..x1).contains(&x) || !(y0..y1).contains(&y) {
@@ -171,8 +171,8 @@ impl Film {
         ))
     }
 
-    /// Number of the pixel `(x, y)` of the full film, which is in the region, when the region's pixels are counted
-    /// row by row.
+    /// Number of the pixel `(x, y)` of the full film, which is in the region, when the region's
+    /// pixels are counted row by row.
     pub fn row_major(&self, [x, y]: [u32; 2]) -> usize {
         let [x0, y0, ..] = self.region;
         (y - y0) as usize * self.width() as usize + (x - x0) as usize

@@ -6,16 +6,18 @@
 //! variance / (value^2 + 0.01 mean^2)
 //! ```
 //!
-//! without the largest [`TRIM`] of the terms: that is the root of the relMSE, trimmed alike, that the film is
-//! expected to have against the converged image when both are scaled to a mean of one. So it does not
-//! depend on the unit of light. (The mean is that of all but the brightest [`SPECKS`].)
+//! without the largest [`TRIM`] of the terms: that is the root of the relMSE, trimmed alike, that
+//! the film is expected to have against the converged image when both are scaled to a mean of one.
+//! So it does not depend on the unit of light. (The mean is that of all but the brightest
+//! [`SPECKS`].)
 //!
 //! - The variance is that of [`super::variance`].
-//! - The value is between the pixel's own and the mean over [`WINDOW`] x [`WINDOW`] pixels, as James and Stein
-//!   shrink means: the own one as far as it differs from the other by more than noise. A pixel's noisy value
-//!   goes with its variance: where a rare bright path was met both are large, elsewhere both are small, and their
-//!   ratio says little of the error in either place.
-//! - Terms are trimmed because one sample of 1e6 in a corner would keep a clean image rendering for ever.
+//! - The value is between the pixel's own and the mean over [`WINDOW`] x [`WINDOW`] pixels, as
+//!   James and Stein shrink means: the own one as far as it differs from the other by more than
+//!   noise. A pixel's noisy value goes with its variance: where a rare bright path was met both are
+//!   large, elsewhere both are small, and their ratio says little of the error in either place.
+//! - Terms are trimmed because one sample of 1e6 in a corner would keep a clean image rendering for
+//!   ever.
 //!
 //! tests/variance.rs compares it with true errors.
 
@@ -23,12 +25,13 @@ use super::Film;
 
 /// Share of the numbers, the largest, that are left out.
 const TRIM: f64 = 1e-3;
-/// Added to the square of a value, so that black pixels do not count for everything: relMSE's usual, for
-/// an image of mean 1.
+/// Added to the square of a value, so that black pixels do not count for everything: relMSE's
+/// usual, for an image of mean 1.
 pub const FLOOR: f64 = 0.01;
 /// Side of the square of pixels over which values are averaged.
 const WINDOW: usize = 9;
-/// Share of the numbers, the brightest, that do not count for the image's mean: a speck fills a window.
+/// Share of the numbers, the brightest, that do not count for the image's mean: a speck fills a
+/// window.
 const SPECKS: f64 = 0.02;
 /// The estimate is called unreliable when its own relative error is above this,
 const MOST_ERROR: f32 = 0.2;
@@ -40,8 +43,8 @@ const MOST_WORST: f32 = 0.5;
 pub struct Noise {
     /// Root of the expected trimmed relMSE.
     pub value: f32,
-    /// Standard error of the value, as a share of it. It is large where a few pixels have most of the
-    /// variance: the light that they have met is missing in others.
+    /// Standard error of the value, as a share of it. It is large where a few pixels have most of
+    /// the variance: the light that they have met is missing in others.
     pub error: f32,
     /// Share of the variance that the terms have which are left out.
     pub worst: f32,
@@ -73,8 +76,8 @@ impl Film {
         let (sum, square) = trimmed_sums(&terms, left_out);
         let kept = terms.len() - left_out;
         let value = (sum / kept as f64).sqrt() as f32;
-        // Each term is known to about itself where few samples make it: the sum's error is the root of
-        // the sum of squares. The root halves it.
+        // Each term is known to about itself where few samples make it: the sum's error is the root
+        // of the sum of squares. The root halves it.
         let error = if sum > 0.0 {
             0.5 * square.sqrt() / sum
         } else {
@@ -138,7 +141,8 @@ fn trimmed_sums(terms: &[f32], left_out: usize) -> (f64, f64) {
     (sum + at_limit * limit, square + at_limit * limit * limit)
 }
 
-/// A value of this variance, shrunk towards the mean around it (James and Stein 1961, one dimension).
+/// A value of this variance, shrunk towards the mean around it (James and Stein 1961, one
+/// dimension).
 fn shrunk(own: f64, around: f64, variance: f64) -> f64 {
     let distance = own - around;
     if distance * distance <= variance {

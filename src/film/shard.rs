@@ -1,14 +1,15 @@
 //! Shares of a film for several machines.
 //!
-//! A film is shared out by tiles, not by samples. Sums of floating-point numbers depend on the order of
-//! their terms: two machines that took half of the samples each would have to hand over every sample, or
-//! the merged image would differ in its last bits from one rendered in one piece, and differ again with
-//! another number of machines. All samples of a tile belong to one shard instead, which adds them in
-//! their order as a whole render does; merging moves tiles and adds nothing. The same bits then come
-//! out of any number of shards, merged in any order.
+//! A film is shared out by tiles, not by samples. Sums of floating-point numbers depend on the
+//! order of their terms: two machines that took half of the samples each would have to hand over
+//! every sample, or the merged image would differ in its last bits from one rendered in one piece,
+//! and differ again with another number of machines. All samples of a tile belong to one shard
+//! instead, which adds them in their order as a whole render does; merging moves tiles and adds
+//! nothing. The same bits then come out of any number of shards, merged in any order.
 //!
-//! The price of tiles is that some are dearer than others. They are dealt like cards after a shuffle
-//! that everybody knows, so that every shard gets its share of the sky and of the glass alike.
+//! The price of tiles is that some are dearer than others. They are dealt like cards after a
+//! shuffle that everybody knows, so that every shard gets its share of the sky and of the glass
+//! alike.
 
 use serde::{Deserialize, Serialize};
 
@@ -50,8 +51,9 @@ impl Deal {
     /// Deals `tiles` to `shards`; the shares differ by one tile at most.
     pub fn new(tiles: usize, shards: u32) -> Self {
         let tiles = tiles.max(1) as u64;
-        // Multiples of a step near the golden section of the number of tiles land evenly everywhere.
-        // A step without common divisors visits every place once, which makes it a shuffle.
+        // Multiples of a step near the golden section of the number of tiles land evenly
+        // everywhere. A step without common divisors visits every place once, which makes it a
+        // shuffle.
         let golden = (tiles as f64 * 0.618_033_988_749_895) as u64;
         let coprime = |step: &u64| divisor(*step, tiles) == 1;
         let step = (golden.max(1)..tiles).find(coprime).unwrap_or(1);

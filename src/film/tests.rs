@@ -16,8 +16,8 @@ fn film(width: u32, height: u32, crop: Option<[u32; 4]>) -> Film {
     })
 }
 
-/// Adds `count` samples to every pixel: exponential radiance of mean `mean(x, y)`, so that the variance
-/// of one sample is the mean squared.
+/// Adds `count` samples to every pixel: exponential radiance of mean `mean(x, y)`, so that the
+/// variance of one sample is the mean squared.
 fn expose(film: &mut Film, first: u64, count: u64, mean: impl Fn(u32, u32) -> f32) {
     for tile in film.tiles_mut() {
         for i in 0..tile.pixels.len() {
@@ -107,8 +107,8 @@ fn small_samples_still_count_after_large_ones() {
     assert!((pixel.radiance[0] - 100_000_001.0).abs() < 1e-4);
 }
 
-/// The variance that a pixel reports is the variance of its mean over many renders, also under a filter
-/// with negative lobes.
+/// The variance that a pixel reports is the variance of its mean over many renders, also under a
+/// filter with negative lobes.
 #[test]
 fn variances_are_those_of_repeated_renders() {
     let sampler = FilterSampler::new(Filter::Mitchell {

@@ -63,9 +63,9 @@ pub struct Pixel {
     pub late: Late,
 }
 
-/// Sums over the later half of a pixel's samples: those from the largest power of two on that is below their
-/// number. What the halves differ by tells the noise of their mean whatever links the samples (see
-/// [`super::variance`]).
+/// Sums over the later half of a pixel's samples: those from the largest power of two on that is
+/// below their number. What the halves differ by tells the noise of their mean whatever links the
+/// samples (see [`super::variance`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Late {
     /// The first sample of the image among them: 0 or a power of two.
@@ -169,8 +169,8 @@ impl Pixel {
         self.radiance.map(|sum| sum * scale)
     }
 
-    /// Variance of a sample, estimated from the spread of the samples; 0 with fewer than two. With `w` for their
-    /// worth `S w^2 (x - mean)^2 / S w^2`, and the usual `n / (n - 1)`.
+    /// Variance of a sample, estimated from the spread of the samples; 0 with fewer than two. With
+    /// `w` for their worth `S w^2 (x - mean)^2 / S w^2`, and the usual `n / (n - 1)`.
     pub fn variance_of_sample(&self) -> [f64; 3] {
         if self.count < 2 {
             return [0.0; 3];
@@ -183,8 +183,9 @@ impl Pixel {
         })
     }
 
-    /// Variance of [`Pixel::mean`] over renders with other seeds if its samples are independent: that of a
-    /// mean by weights that do not depend on the samples. Sobol points have less ([`super::Film::variances`]).
+    /// Variance of [`Pixel::mean`] over renders with other seeds if its samples are independent:
+    /// that of a mean by weights that do not depend on the samples. Sobol points have less
+    /// ([`super::Film::variances`]).
     pub fn variance_of_mean(&self) -> [f64; 3] {
         if self.count < 2 {
             return [0.0; 3];
@@ -233,7 +234,8 @@ impl Tile {
         !self.pixels.is_empty()
     }
 
-    /// Adds sample number `index` of the tile's pixel `i`. One that is not finite is dropped and counted.
+    /// Adds sample number `index` of the tile's pixel `i`. One that is not finite is dropped and
+    /// counted.
     #[inline]
     pub fn add(&mut self, i: usize, index: u64, sample: &Sample) {
         let colors = sample.radiance.is_finite() & sample.albedo.is_finite();

@@ -1,25 +1,28 @@
 //! How far the film is from the converged image.
 //!
-//! From the spread of a pixel's samples, `S^2`, follows the variance of their mean if they are independent:
-//! `S^2 / N`. It is not that of Sobol points, which avoid each other, nor does it tell how the errors of
-//! neighbours go together where paths are shared. So the film keeps the sum over the later half of the
-//! samples, too ([`super::Late`]), and compares the means of both halves.
+//! From the spread of a pixel's samples, `S^2`, follows the variance of their mean if they are
+//! independent: `S^2 / N`. It is not that of Sobol points, which avoid each other, nor does it tell
+//! how the errors of neighbours go together where paths are shared. So the film keeps the sum over
+//! the later half of the samples, too ([`super::Late`]), and compares the means of both halves.
 //!
-//! With the contrast `C = m_0 - m_1` of the halves' means, `r = C^2 / (S^2 (1/n_0 + 1/n_1))` has the mean 1
-//! for independent samples, whatever their distribution (the samples of both halves can be exchanged).
-//! Its mean over a neighbourhood of many pixels, `rho`, tells how the samples are linked.
+//! With the contrast `C = m_0 - m_1` of the halves' means, `r = C^2 / (S^2 (1/n_0 + 1/n_1))` has
+//! the mean 1 for independent samples, whatever their distribution (the samples of both halves can
+//! be exchanged). Its mean over a neighbourhood of many pixels, `rho`, tells how the samples are
+//! linked.
 //!
-//! The variance of the mean is then `rho S^2 / N`. That is exact for halves that are independent of each other. Those
-//! of one Sobol sequence avoid each other, in the dimensions in which they are stratified: what such
-//! dimensions explain is small in the contrast, and yet smaller in the mean; the rest, which is most
-//! of what is left of the variance of paths, is as in independent halves. So for one sequence the variance is told
-//! rather too large than too small.
+//! The variance of the mean is then `rho S^2 / N`. That is exact for halves that are independent of
+//! each other. Those of one Sobol sequence avoid each other, in the dimensions in which they are
+//! stratified: what such dimensions explain is small in the contrast, and yet smaller in the mean;
+//! the rest, which is most of what is left of the variance of paths, is as in independent halves.
+//! So for one sequence the variance is told rather too large than too small.
 //!
-//! A pixel that has missed a rare bright path knows neither its error nor that it does not know. Its
-//! neighbours may: what is told of a pixel is the mean of its own variance and of those around it.
+//! A pixel that has missed a rare bright path knows neither its error nor that it does not know.
+//! Its neighbours may: what is told of a pixel is the mean of its own variance and of those around
+//! it.
 //!
-//! [`Tile::realisation`] is the contrast, scaled as the error of the mean: an image of noise like that of the film,
-//! whose mean over any block has on average the square of the error that the film's mean has there.
+//! [`Tile::realisation`] is the contrast, scaled as the error of the mean: an image of noise like
+//! that of the film, whose mean over any block has on average the square of the error that the
+//! film's mean has there.
 //!
 //! tests/variance.rs holds all of it to the truth.
 
@@ -122,7 +125,8 @@ impl Film {
         Variances { channels }
     }
 
-    /// What each pixel's own samples tell of the variance of its mean, channel by channel, row by row.
+    /// What each pixel's own samples tell of the variance of its mean, channel by channel, row by
+    /// row.
     pub(super) fn own_variances(&self) -> [Vec<f32>; 3] {
         let linked = self.linked();
         self.row_by_row(|tile, pixel| pixel.variance_of_mean().map(|v| v * linked[tile]))
@@ -210,9 +214,9 @@ impl Variances {
 }
 
 impl Tile {
-    /// A number of the size that the error of one of its pixels has. The mean of its square is the variance of
-    /// the pixel's mean, and that of the square of its mean over any pixels the variance of theirs. 0 where
-    /// a half of the samples is missing.
+    /// A number of the size that the error of one of its pixels has. The mean of its square is the
+    /// variance of the pixel's mean, and that of the square of its mean over any pixels the
+    /// variance of theirs. 0 where a half of the samples is missing.
     pub fn realisation(&self, pixel: &Pixel) -> [f64; 3] {
         let Some(contrast) = Contrast::of(pixel, self.done) else {
             return [0.0; 3];

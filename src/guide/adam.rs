@@ -53,8 +53,8 @@ impl Adam {
         [BETA1.powi(n), BETA2.powi(n)]
     }
 
-    /// One step against the gradient of the loss by the logit; `lacking` is what [`Adam::lacking`] said before
-    /// it, and will say after it.
+    /// One step against the gradient of the loss by the logit; `lacking` is what [`Adam::lacking`]
+    /// said before it, and will say after it.
     pub fn step(&mut self, gradient: f64, lacking: &mut [f64; 2]) {
         self.steps = self.steps.saturating_add(1);
         let gradient = gradient + DECAY * self.logit;

@@ -1,10 +1,10 @@
 //! Several rounds of refining over one batch.
 //!
 //! A split's children know their share of the flux but not how it is spread inside them, so a round
-//! can only go one level deeper. The trainer therefore keeps the records of the last batch, each with
-//! its place in P. After a round, those whose link was divided go on down from there and fill the
-//! tables of the new links, counting nothing twice, and the next round can look at these links. At last
-//! mixtures are fitted to the batch as the links have come to divide it.
+//! can only go one level deeper. The trainer therefore keeps the records of the last batch, each
+//! with its place in P. After a round, those whose link was divided go on down from there and fill
+//! the tables of the new links, counting nothing twice, and the next round can look at these links.
+//! At last mixtures are fitted to the batch as the links have come to divide it.
 
 use super::links::{Place, step};
 use super::model::Look;
@@ -14,23 +14,23 @@ use super::refine::Refined;
 use super::train::Trainer;
 use rayon::prelude::*;
 
-/// How many records a batch should have at most, well below what is kept: mixtures then learn from all of them. (When
-/// batches of photons doubled without end, RMSE over that of cached mixtures, nine million photons, door, was 1.09
-/// instead of 1.05. With batches of this size, relMSE after 60 s in veach-ajar 0.0161 instead of 0.0188, in a kitchen 0.0268 instead of
-/// 0.0298.)
+/// How many records a batch should have at most, well below what is kept: mixtures then learn from
+/// all of them. (When batches of photons doubled without end, RMSE over that of cached mixtures,
+/// nine million photons, door, was 1.09 instead of 1.05. With batches of this size, relMSE after 60
+/// s in veach-ajar 0.0161 instead of 0.0188, in a kitchen 0.0268 instead of 0.0298.)
 pub const BATCH: u64 = 3 << 20;
 
 /// Iterations of fitting after the last new lobe.
 const UNDISTURBED: u32 = 2;
 
-/// A batch with less than this share of the records before it is looked at once: what lobes its records belong to
-/// hardly changes from one look to the next.
+/// A batch with less than this share of the records before it is looked at once: what lobes its
+/// records belong to hardly changes from one look to the next.
 const SMALL: f64 = 0.2;
 
 impl Trainer {
     /// *Refine* in up to `rounds` rounds over the batch that was trained last. Its records are not
-    /// counted again; they only tell new links how their share is spread. Then they are forgotten. A
-    /// batch of records that do not decide about splits (see [`super::Source`]) gets one round.
+    /// counted again; they only tell new links how their share is spread. Then they are forgotten.
+    /// A batch of records that do not decide about splits (see [`super::Source`]) gets one round.
     pub fn refine_rounds(&mut self, rounds: u32) -> Refined {
         let forgotten = Recent::of(self.recent.most);
         let mut recent = std::mem::replace(&mut self.recent, forgotten);
@@ -61,8 +61,9 @@ impl Trainer {
         sum
     }
 
-    /// Fits models to the batch on the links as they are now: from the parameters as they were, each time it
-    /// is found anew which record belongs to what, and the best parameters for that are taken.
+    /// Fits models to the batch on the links as they are now: from the parameters as they were,
+    /// each time it is found anew which record belongs to what, and the best parameters for that
+    /// are taken.
     fn iterate(&mut self, recent: &mut Recent, origin: Origin) {
         let (iterations, Some(unit)) = (self.looks(recent, origin), self.unit(origin)) else {
             return;
@@ -144,8 +145,8 @@ impl Trainer {
     }
 }
 
-/// Brings records into the order whose lower halves number them, where they lie: a copy of all would be as large again.
-/// The order is then that of their new numbers.
+/// Brings records into the order whose lower halves number them, where they lie: a copy of all
+/// would be as large again. The order is then that of their new numbers.
 fn arrange<T: Copy>(records: &mut [T], order: &mut [u64]) {
     for start in 0..order.len() {
         let first = records[start];

@@ -1,7 +1,8 @@
 //! The trees in a field file: counters, the surface points' keys, P in preorder as one byte a node
-//! (which also says where R is divided, so R needs no record), R's path-vertex counts, and each leaf
-//! link's sums. A tree that is written as its preorder cannot hold a cycle or a dangling index;
-//! everything else is checked against the length of the file before memory is set aside for it.
+//! (which also says where R is divided, so R needs no record), R's path-vertex counts, and each
+//! leaf link's sums. A tree that is written as its preorder cannot hold a cycle or a dangling
+//! index; everything else is checked against the length of the file before memory is set aside for
+//! it.
 
 use super::bytes::{Reader, Writer};
 use super::links::{Product, Split};

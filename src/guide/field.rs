@@ -1,8 +1,9 @@
 //! The frozen field: *sample* and its density.
 //!
-//! [`Field::at`] finds the cell of R that holds a point. Where P divides space alone, as with mixtures, a cell is
-//! one link over all directions: its flux and its model stand at the cell's number. Where P divides directions,
-//! too, the cell's flux is kept by base direction cell, and its links are found through [`Lists`].
+//! [`Field::at`] finds the cell of R that holds a point. Where P divides space alone, as with
+//! mixtures, a cell is one link over all directions: its flux and its model stand at the cell's
+//! number. Where P divides directions, too, the cell's flux is kept by base direction cell, and its
+//! links are found through [`Lists`].
 
 use super::lists::{GROUPS, Lists};
 use super::model::FrozenSet;
@@ -10,7 +11,8 @@ use super::settings::Product;
 use super::space::Grid;
 use crate::math::Vec3;
 
-/// An immutable learned field. Cheap to share between threads; made by [`Trainer::freeze`](super::Trainer::freeze).
+/// An immutable learned field. Cheap to share between threads; made by
+/// [`Trainer::freeze`](super::Trainer::freeze).
 #[derive(Clone, Debug)]
 pub struct Field {
     pub(crate) grid: Grid,

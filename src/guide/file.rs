@@ -1,9 +1,9 @@
 //! The field file: sums, not densities, so that fields trained apart add up.
 //!
-//! Little-endian. Magic, version, length of the rest, CRC-32 of the rest; then, as JSON, the settings
-//! (among them the scene's identity and bounds) and the [`Ledger`] (which photons and paths are in it),
-//! the mixture fractions and chances of light samples, and the trees with their sums (see `content.rs`).
-//! Whatever is wrong with a file is said with the byte where it shows.
+//! Little-endian. Magic, version, length of the rest, CRC-32 of the rest; then, as JSON, the
+//! settings (among them the scene's identity and bounds) and the [`Ledger`] (which photons and
+//! paths are in it), the mixture fractions and chances of light samples, and the trees with their
+//! sums (see `content.rs`). Whatever is wrong with a file is said with the byte where it shows.
 
 use super::Field;
 use super::bytes::{Reader, Writer};
@@ -27,8 +27,8 @@ pub struct FieldFile {
     pub trainer: Trainer,
     /// Which records are in it.
     pub ledger: Ledger,
-    /// What R's leaves have learned about chances, in preorder, which no history of splits can change; none, if
-    /// nothing was learned about them.
+    /// What R's leaves have learned about chances, in preorder, which no history of splits can
+    /// change; none, if nothing was learned about them.
     pub(super) fractions: Vec<Habits>,
 }
 
@@ -83,8 +83,8 @@ impl FieldFile {
     /// the order does not matter.
     ///
     /// # Errors
-    /// When structures, scenes, settings, recipes or fractions differ, or a record would count twice;
-    /// nothing is changed then.
+    /// When structures, scenes, settings, recipes or fractions differ, or a record would count
+    /// twice; nothing is changed then.
     pub fn merge(&mut self, other: &Self) -> Result<(), GuideError> {
         if self.trainer.settings().scene_hash == other.trainer.settings().scene_hash {
             if let Some(why) = self.ledger.conflict(&other.ledger) {
@@ -127,7 +127,8 @@ impl FieldFile {
     /// Reads what [`FieldFile::to_bytes`] made.
     ///
     /// # Errors
-    /// When the bytes are not a field, of another version, or damaged; the error says which, and where.
+    /// When the bytes are not a field, of another version, or damaged; the error says which, and
+    /// where.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, GuideError> {
         let mut r = Reader::new(open(bytes)?, bytes.len());
         let damaged = |what: &str, r: &Reader| bad(format!("damaged at byte {}: {what}", r.at()));
@@ -224,7 +225,8 @@ impl Trainer {
     /// Reads what [`Trainer::to_bytes`] made.
     ///
     /// # Errors
-    /// When the bytes are not a field, of another version, or damaged; the error says which, and where.
+    /// When the bytes are not a field, of another version, or damaged; the error says which, and
+    /// where.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, GuideError> {
         FieldFile::from_bytes(bytes).map(|f| f.trainer)
     }

@@ -1,11 +1,11 @@
 //! How often to trust the field: the probability of sampling the field instead of the BSDF, learned
 //! for each cell of R, beside that of sampling a light (see `light_chance.rs`).
 //!
-//! The mixture q = a p_field + (1 - a) p_bsdf should be proportional to f = BSDF * radiance * cosine.
-//! The gradient of the KL divergence between the two is estimated from the samples themselves
-//! (Mueller 2019, course notes "Path guiding in production", chapter 10): for a direction sampled
-//! with density q and value f, dKL/da = -(f/q) (p_field - p_bsdf) / q. It is followed by Adam on the
-//! logit of a, with a weak pull towards 1/2.
+//! The mixture q = a p_field + (1 - a) p_bsdf should be proportional to f = BSDF * radiance *
+//! cosine. The gradient of the KL divergence between the two is estimated from the samples
+//! themselves (Mueller 2019, course notes "Path guiding in production", chapter 10): for a
+//! direction sampled with density q and value f, dKL/da = -(f/q) (p_field - p_bsdf) / q. It is
+//! followed by Adam on the logit of a, with a weak pull towards 1/2.
 
 use super::adam::Adam;
 use super::bytes::{Reader, Writer};
@@ -22,7 +22,8 @@ pub const FLOOR: f32 = 0.1;
 /// The fraction before anything was learned.
 const UNKNOWN: f32 = 0.5;
 
-/// What one vertex, met during rendering or training, tells about the mixture and about light samples.
+/// What one vertex, met during rendering or training, tells about the mixture and about light
+/// samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FractionRecord {
     /// The shading point.
@@ -104,7 +105,8 @@ impl Habits {
 /// The probabilities of what a vertex does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chances {
-    /// To draw the next direction from the field instead of the BSDF, within [`FLOOR`] and 1 - [`FLOOR`].
+    /// To draw the next direction from the field instead of the BSDF, within [`FLOOR`] and 1 -
+    /// [`FLOOR`].
     pub field: f32,
     /// To sample a light, within [`super::LEAST_LIGHT`] and 1.
     pub light: f32,
@@ -120,8 +122,8 @@ impl Chances {
 
 /// The learned fractions of one field's cells.
 ///
-/// Updates happen in the order of the records, cell by cell, so the same records give the same bits.
-/// For an unbiased image update only between passes, never from the pass that is being drawn.
+/// Updates happen in the order of the records, cell by cell, so the same records give the same
+/// bits. For an unbiased image update only between passes, never from the pass that is being drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fractions {
     cells: Vec<Habits>,
@@ -143,8 +145,8 @@ impl Fractions {
         }
     }
 
-    /// Chances that know nothing of any scene, in all their range: no renderer may draw another mean
-    /// with them.
+    /// Chances that know nothing of any scene, in all their range: no renderer may draw another
+    /// mean with them.
     pub fn random(field: &Field, seed: u64) -> Self {
         Self::with(field, |cell| {
             let bits = hash64(seed ^ u64::from(cell));
@@ -163,8 +165,8 @@ impl Fractions {
         self
     }
 
-    /// The fractions for a field that refines the one they were learned for: every cell starts with what
-    /// the cell that it was part of has learned.
+    /// The fractions for a field that refines the one they were learned for: every cell starts with
+    /// what the cell that it was part of has learned.
     pub fn carried_over(&self, from: &Field, to: &Field) -> Self {
         let part_of = |&key: &u64| from.cell_of_key(key) as usize;
         let old: Vec<usize> = to.cell_key.iter().map(part_of).collect();
@@ -185,8 +187,8 @@ impl Fractions {
         }
     }
 
-    /// The chances in a cell (see [`Field::cell`]); those of one that has learned nothing for a cell of
-    /// another field.
+    /// The chances in a cell (see [`Field::cell`]); those of one that has learned nothing for a
+    /// cell of another field.
     #[inline]
     pub fn chances(&self, cell: u32) -> Chances {
         let known = self.chances.get(cell as usize);
@@ -270,8 +272,8 @@ impl<'a> Parts<'a> {
     }
 }
 
-/// The power of two below the mean of value over density: what the pull towards 1/2 is weak against must
-/// not depend on the unit of light. Guarded by the stability suite's `s08_emission`.
+/// The power of two below the mean of value over density: what the pull towards 1/2 is weak against
+/// must not depend on the unit of light. Guarded by the stability suite's `s08_emission`.
 fn typical(parts: &[&[FractionRecord]]) -> f64 {
     let sum = |part: &&[FractionRecord]| {
         let worths = part

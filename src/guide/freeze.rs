@@ -71,8 +71,8 @@ impl Trainer {
         (space, keys)
     }
 
-    /// Who may learn from whom: links whose larger cell of R, some levels up, is the same, on surfaces that face
-    /// the same way, from all links in that cell.
+    /// Who may learn from whom: links whose larger cell of R, some levels up, is the same, on
+    /// surfaces that face the same way, from all links in that cell.
     fn neighbourhoods(&self, order: &[u32]) -> Vec<Neighbourhood> {
         let grid = &self.space.grid;
         let node = |l: u32| &self.space.nodes[self.product.links[l as usize].r as usize];
@@ -145,8 +145,8 @@ impl Trainer {
             .collect()
     }
 
-    /// Fluxes of leaf links with a few records' worth of each P node's flux spread over its children
-    /// by measure (a Polya tree): a child that met nothing yet is dim, not black.
+    /// Fluxes of leaf links with a few records' worth of each P node's flux spread over its
+    /// children by measure (a Polya tree): a child that met nothing yet is dim, not black.
     fn smoothed(&self, origin: Origin, leaf: impl Fn(usize) -> DVec3) -> Vec<DVec3> {
         let nodes = &self.product.nodes;
         let order = self.product.preorder();

@@ -1,9 +1,9 @@
 //! Where the image looks: cells of R that no camera path can meet are not refined.
 //!
-//! Camera paths are a sample. A cell that no path of the sample met may be met by the next one, if it is
-//! small or lies at the edge of what is seen. So a sample speaks for cells of one size: the smallest at
-//! which an occupied cell still holds a number of points on average. Those cells and their neighbours
-//! are seen, down to any depth.
+//! Camera paths are a sample. A cell that no path of the sample met may be met by the next one, if
+//! it is small or lies at the edge of what is seen. So a sample speaks for cells of one size: the
+//! smallest at which an occupied cell still holds a number of points on average. Those cells and
+//! their neighbours are seen, down to any depth.
 
 use super::record::SurfacePoint;
 use super::space::{AXIS_BITS, Grid, spread, squeeze};
@@ -17,8 +17,8 @@ impl Trainer {
         self.space.seen_level = self.space.grid.max_level;
     }
 
-    /// The same for a sample of these positions: cells that hold `per_cell` of them on average are told
-    /// apart, and their neighbours count as seen, too.
+    /// The same for a sample of these positions: cells that hold `per_cell` of them on average are
+    /// told apart, and their neighbours count as seen, too.
     pub fn set_importance_sample(&mut self, points: &[SurfacePoint], per_cell: usize) {
         let keys = self.space.keys(points);
         let grid = &self.space.grid;
@@ -39,8 +39,8 @@ fn resolved_level(grid: &Grid, keys: &[u64], per_cell: usize) -> u8 {
     resolved.last().unwrap_or(0)
 }
 
-/// The smallest keys of all cells of a level that hold a key or touch one that does, on the same side
-/// of surfaces where the grid tells sides apart; sorted.
+/// The smallest keys of all cells of a level that hold a key or touch one that does, on the same
+/// side of surfaces where the grid tells sides apart; sorted.
 fn with_neighbours(grid: &Grid, keys: &[u64], level: u8) -> Vec<u64> {
     if level == 0 {
         return Vec::new();

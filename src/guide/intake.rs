@@ -1,8 +1,8 @@
 //! *Train*: records are checked and added to their links, in pieces on all threads.
 //!
-//! A batch may be larger than the trees that learn from it, and on some machines memory that is touched for the
-//! first time costs as much as what is done with it. So batches are read where they lie, in as many parts as they
-//! were made in, and a piece at a time is turned into deposits.
+//! A batch may be larger than the trees that learn from it, and on some machines memory that is
+//! touched for the first time costs as much as what is done with it. So batches are read where they
+//! lie, in as many parts as they were made in, and a piece at a time is turned into deposits.
 
 use super::links::Place;
 use super::model::Look;
@@ -96,8 +96,8 @@ impl Trainer {
         self.train_on_photons(vec![photons], emitted);
     }
 
-    /// The same for a batch that lies in several places, each of which is let go of once it is learned from; nothing
-    /// depends on where it is cut.
+    /// The same for a batch that lies in several places, each of which is let go of once it is
+    /// learned from; nothing depends on where it is cut.
     pub fn train_on_photons(&mut self, parts: Vec<impl AsRef<[Photon]> + Sync>, emitted: u64) {
         self.intakes.batches += 1;
         self.intakes.emitted = self.intakes.emitted.saturating_add(emitted);
@@ -127,8 +127,8 @@ impl Trainer {
         self.train_on_paths(vec![samples]);
     }
 
-    /// The same for a batch that lies in several places, each of which is let go of once it is learned from; nothing
-    /// depends on where it is cut.
+    /// The same for a batch that lies in several places, each of which is let go of once it is
+    /// learned from; nothing depends on where it is cut.
     pub fn train_on_paths(&mut self, parts: Vec<impl AsRef<[PathSample]> + Sync>) {
         self.intakes.batches += 1;
         let all = || parts.iter().flat_map(AsRef::as_ref);

@@ -1,8 +1,9 @@
 //! Which records a field has learned from.
 //!
-//! Photon `i` of a seed is the same photon wherever it is traced, and so is camera path `i`. A field is
-//! therefore a sum over two sets of numbers, and two fields over one structure may be added if their sets
-//! are disjoint. The ledger knows the sets: it refuses what would count twice, and names what is missing.
+//! Photon `i` of a seed is the same photon wherever it is traced, and so is camera path `i`. A
+//! field is therefore a sum over two sets of numbers, and two fields over one structure may be
+//! added if their sets are disjoint. The ledger knows the sets: it refuses what would count twice,
+//! and names what is missing.
 
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -107,7 +108,8 @@ fn hull(a: &Range<u64>, b: &Range<u64>) -> Range<u64> {
 /// The history of a field.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Ledger {
-    /// How records were made, in the words of whoever made them. Only records made alike may be added.
+    /// How records were made, in the words of whoever made them. Only records made alike may be
+    /// added.
     pub recipe: String,
     /// Numbers of photons.
     pub photons: Numbers,

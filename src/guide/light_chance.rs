@@ -1,25 +1,25 @@
-//! How often to sample a light: the probability of next-event estimation at a vertex, learned for each
-//! cell of R.
+//! How often to sample a light: the probability of next-event estimation at a vertex, learned for
+//! each cell of R.
 //!
-//! A shadow ray costs as much as a ray that goes on, and where light comes in through the gap of a door,
-//! through glass or through water it is blocked nearly always. So it is traced with a probability p and
-//! counts 1/p times. To leave out light samples c with probability 1 - p adds E\[c^2\] (1 - p)/p to the
-//! variance and saves their share of the cost; the best p is in proportion to the root of E\[c^2\] against
-//! that of the spread which all light from the vertex has anyway (Rath et al., "EARS: Efficiency-aware
-//! Russian roulette and splitting", 2022, for one decision). What is rarely lit, but brightly, keeps its
-//! light samples: squares are what counts.
+//! A shadow ray costs as much as a ray that goes on, and where light comes in through the gap of a
+//! door, through glass or through water it is blocked nearly always. So it is traced with a
+//! probability p and counts 1/p times. To leave out light samples c with probability 1 - p adds
+//! E\[c^2\] (1 - p)/p to the variance and saves their share of the cost; the best p is in
+//! proportion to the root of E\[c^2\] against that of the spread which all light from the vertex
+//! has anyway (Rath et al., "EARS: Efficiency-aware Russian roulette and splitting", 2022, for one
+//! decision). What is rarely lit, but brightly, keeps its light samples: squares are what counts.
 //!
-//! Multiple importance sampling weighs by p, too: where shadow rays are blocked nearly always, directions
-//! that meet a light by themselves count for more.
+//! Multiple importance sampling weighs by p, too: where shadow rays are blocked nearly always,
+//! directions that meet a light by themselves count for more.
 
 use super::bytes::{Reader, Writer};
 
-/// No light is sampled less often than this: the cell may have been unlucky so far. (0.1 and 0.3 measure
-/// the same in six scenes.)
+/// No light is sampled less often than this: the cell may have been unlucky so far. (0.1 and 0.3
+/// measure the same in six scenes.)
 pub const LEAST: f32 = 0.2;
 
-/// The chance over the ratio of both roots. In veach-ajar half of it takes 3 % of the rays and adds a tenth
-/// to the variance; light samples everywhere would cost a tenth more rays and gain nothing.
+/// The chance over the ratio of both roots. In veach-ajar half of it takes 3 % of the rays and adds
+/// a tenth to the variance; light samples everywhere would cost a tenth more rays and gain nothing.
 const EAGERNESS: f64 = 5.0;
 
 /// Light samples as bright as all that is reflected, which are taken for granted at the beginning.
@@ -60,8 +60,9 @@ impl LightChance {
         (sound(sums.count) && sound(sums.squares) && sound(sums.reflected)).then_some(sums)
     }
 
-    /// Adds a vertex: what its light sample brought, the chance with which that was taken, and all that
-    /// the vertex reflected, both for the throughput 1. Numbers that are not finite are ignored.
+    /// Adds a vertex: what its light sample brought, the chance with which that was taken, and all
+    /// that the vertex reflected, both for the throughput 1. Numbers that are not finite are
+    /// ignored.
     pub fn add(&mut self, light: f32, chance: f32, reflected: f32) {
         let square = f64::from(light) * f64::from(light) * f64::from(chance);
         if !(square.is_finite() && reflected.is_finite() && reflected >= 0.0) {

@@ -11,8 +11,8 @@ fn refuse<T>(why: &str) -> Result<T, GuideError> {
 
 impl Trainer {
     /// A copy with the same structure, models and units, and no records: what a shard starts from.
-    /// `base`, plus shards that trained copies of `base.emptied()`, is `base` trained on everything,
-    /// to the bit.
+    /// `base`, plus shards that trained copies of `base.emptied()`, is `base` trained on
+    /// everything, to the bit.
     pub fn emptied(&self) -> Self {
         let mut copy = self.clone();
         copy.intakes = Default::default();
@@ -26,11 +26,12 @@ impl Trainer {
         copy
     }
 
-    /// Adds the sums of another field of the same structure. All sums are integers, so shards may be
-    /// added in any order.
+    /// Adds the sums of another field of the same structure. All sums are integers, so shards may
+    /// be added in any order.
     ///
     /// # Errors
-    /// When the fields differ in settings, structure, units or fitted models; nothing is changed then.
+    /// When the fields differ in settings, structure, units or fitted models; nothing is changed
+    /// then.
     pub fn merge(&mut self, other: &Self) -> Result<(), GuideError> {
         if self.settings.scene_hash != other.settings.scene_hash {
             return refuse("they belong to different scenes");

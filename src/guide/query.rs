@@ -42,10 +42,11 @@ pub struct LocalField<'f> {
 impl Field {
     /// The distribution of light at a point.
     ///
-    /// `normal` (unit), where given, keeps samples above its horizon as [`Settings::product`](super::Settings::product) says.
-    /// A field split by normals needs it to find the right cell.
-    /// `throughput` weights the colours: light that the path's throughput would absorb is not looked
-    /// for; pass white when unsure. Neither changes which directions are possible, only how likely.
+    /// `normal` (unit), where given, keeps samples above its horizon as
+    /// [`Settings::product`](super::Settings::product) says. A field split by normals needs it to
+    /// find the right cell. `throughput` weights the colours: light that the path's throughput
+    /// would absorb is not looked for; pass white when unsure. Neither changes which directions are
+    /// possible, only how likely.
     #[inline]
     pub fn at(&self, position: Vec3, normal: Option<Vec3>, throughput: Rgb) -> LocalField<'_> {
         let side = normal.unwrap_or(Vec3::Z);

@@ -3,8 +3,8 @@
 use super::links::Place;
 use super::record::{Deposit, Origin};
 
-/// Most records that are kept, some 70 bytes each. Of a larger batch the first ones have to speak for
-/// all: constants lose nothing but the way a known sum is spread, mixtures all the others.
+/// Most records that are kept, some 70 bytes each. Of a larger batch the first ones have to speak
+/// for all: constants lose nothing but the way a known sum is spread, mixtures all the others.
 const MOST: usize = 1 << 22;
 
 /// The records of the last batch.
@@ -47,8 +47,8 @@ impl Recent {
         }
     }
 
-    /// Forgets all and waits for a batch of this origin, which there were so many records of `before`; `count` of its
-    /// records will be kept, if there is room.
+    /// Forgets all and waits for a batch of this origin, which there were so many records of
+    /// `before`; `count` of its records will be kept, if there is room.
     pub fn start(&mut self, origin: Origin, before: u64, count: usize) {
         *self = Self::of(self.most);
         self.origin = Some(origin);

@@ -17,8 +17,8 @@ pub struct Photon {
     pub normal: Vec3,
 }
 
-/// An estimate of incident radiance at a vertex of a camera path. Vertices that saw no light must be
-/// passed too, with radiance 0: they are part of the mean.
+/// An estimate of incident radiance at a vertex of a camera path. Vertices that saw no light must
+/// be passed too, with radiance 0: they are part of the mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathSample {
     /// The vertex.

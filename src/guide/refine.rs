@@ -3,15 +3,16 @@
 //! A leaf link is modelled as uniform over its area and solid angle. If its flux phi is spread over
 //! the parts of a split by shares p_c where uniformity would expect m_c, splitting lowers the
 //! divergence by phi * D with D = sum_c p_c ln(p_c / m_c). From n records, D comes out too large by
-//! (k - 1) / 2n on average (2 n D is chi-square distributed with k - 1 degrees of freedom when there
-//! is nothing to gain), which is subtracted, and a gain counts only where 2 n D exceeds its mean by
-//! `significance` standard deviations. n is the *effective* count (sum w)^2 / sum w^2.
+//! (k - 1) / 2n on average (2 n D is chi-square distributed with k - 1 degrees of freedom when
+//! there is nothing to gain), which is subtracted, and a gain counts only where 2 n D exceeds its
+//! mean by `significance` standard deviations. n is the *effective* count (sum w)^2 / sum w^2.
 //!
-//! Three gains are compared per byte: dividing space, dividing directions, and both at once (a light
-//! that wanders across a cell as one moves shows in neither marginal); a joint gain is realised by
-//! dividing space first. The best are taken until memory is used up. (Where it is short, a cell's share of the camera
-//! paths' vertices instead of its share of the flux chooses no better: the door with mixtures in a twentieth and an
-//! eighth of what they would take, RMSE 0.355 and 0.355, 0.346 and 0.345, beside 0.312 without a limit.)
+//! Three gains are compared per byte: dividing space, dividing directions, and both at once (a
+//! light that wanders across a cell as one moves shows in neither marginal); a joint gain is
+//! realised by dividing space first. The best are taken until memory is used up. (Where it is
+//! short, a cell's share of the camera paths' vertices instead of its share of the flux chooses no
+//! better: the door with mixtures in a twentieth and an eighth of what they would take, RMSE 0.355
+//! and 0.355, 0.346 and 0.345, beside 0.312 without a limit.)
 
 use super::links::Split;
 use super::record::Origin;
@@ -20,8 +21,9 @@ use super::train::{NODE_BYTES, SPACE_BYTES, Trainer};
 use rayon::prelude::*;
 use smallvec::SmallVec;
 
-/// A mixture with this many times the records that a split needs is divided in any case. (With 64 times, relative
-/// variance is 4.5 instead of 4.7 in veach-ajar, but 5.1 instead of 4.2 in a torus in glass.)
+/// A mixture with this many times the records that a split needs is divided in any case. (With 64
+/// times, relative variance is 4.5 instead of 4.7 in veach-ajar, but 5.1 instead of 4.2 in a torus
+/// in glass.)
 const PLENTY: f64 = 4.0;
 
 /// What a round of refining did.
@@ -200,8 +202,8 @@ impl Trainer {
         self.unit(origin).map_or(0.0, sum)
     }
 
-    /// The best of a link's possible splits by the records of one origin, if any is worth it. `share`
-    /// is the link's share of all flux of that origin.
+    /// The best of a link's possible splits by the records of one origin, if any is worth it.
+    /// `share` is the link's share of all flux of that origin.
     fn candidate(&self, number: u32, origin: Origin, share: f64) -> Option<Candidate> {
         let link = self.product.links[number as usize];
         let table = self.table(number, origin);
@@ -234,8 +236,9 @@ impl Trainer {
             let d = divergence(&table.octants(), &measure).significant(n, z);
             offers.push(offer(Split::Space, d, cost));
             let joint = joint_divergence(&table, &measure, directs);
-            // Parts that are equal only as a whole, such as two rooms built alike, show no gain: a mixture
-            // with plenty of records is divided as if it had the least that could be noticed.
+            // Parts that are equal only as a whole, such as two rooms built alike, show no gain: a
+            // mixture with plenty of records is divided as if it had the least that could be
+            // noticed.
             let plenty = !directs && n > PLENTY * f64::from(self.traits.split_records);
             let least = if plenty {
                 joint.freedom.max(1.0) / (2.0 * n)

@@ -51,7 +51,8 @@ pub struct Settings {
     pub max: Vec3,
     /// Bytes that the trainer may hold in nodes, links and accumulators. Default 256 MiB.
     pub memory: u64,
-    /// Deepest level of R in space, 0 to 20; lowered so that a cell keeps 64 ulp of its coordinates.
+    /// Deepest level of R in space, 0 to 20; lowered so that a cell keeps 64 ulp of its
+    /// coordinates.
     pub max_space_level: u8,
     /// Deepest level of Q, 0 to 10 (a cell of level 10 covers 1.2e-5 sr).
     pub max_direction_level: u8,
@@ -60,7 +61,8 @@ pub struct Settings {
     pub min_photons: u32,
     /// R is split only where this many surface points lie inside the cell, so that areas are known.
     pub min_points: u32,
-    /// How many standard deviations of chance a gain must exceed to count as significant. Default 5.
+    /// How many standard deviations of chance a gain must exceed to count as significant. Default
+    /// 5.
     pub significance: f32,
     /// Prior strength, in photons, that pulls siblings towards their common density when freezing.
     pub smoothing: f32,

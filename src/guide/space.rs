@@ -8,8 +8,8 @@ use rayon::prelude::*;
 /// Bits an axis in a position key.
 pub(crate) const AXIS_BITS: u32 = 20;
 
-/// Turns positions into keys: 20 bits an axis, interleaved, so that the cell of level `l` is named by
-/// the upper `3 l` bits. Computed in `f64` from the corner, so that cells are exact far from the
+/// Turns positions into keys: 20 bits an axis, interleaved, so that the cell of level `l` is named
+/// by the upper `3 l` bits. Computed in `f64` from the corner, so that cells are exact far from the
 /// origin; positions outside are clamped to the boundary. With the split by normals three more bits
 /// on top hold the normal's octant, and level 0 divides normals instead of space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,8 +88,8 @@ impl Grid {
     }
 }
 
-/// Octants of a turned frame in which the six axis directions lie inside octants, 19 degrees or more
-/// from a boundary: walls along the axes would otherwise flip by rounding.
+/// Octants of a turned frame in which the six axis directions lie inside octants, 19 degrees or
+/// more from a boundary: walls along the axes would otherwise flip by rounding.
 #[inline]
 fn normal_octant(n: Vec3) -> u64 {
     let below = |axis: usize| u64::from(OCTANT_AXES[axis].dot(n) < 0.0) << axis;
@@ -205,8 +205,8 @@ impl Space {
         self.range(node, &self.points).len()
     }
 
-    /// A(r): surface area inside the node. A cell without a point gets half a point's area: light was
-    /// met there, so some surface is. Without any points a cell counts as its face, size^2.
+    /// A(r): surface area inside the node. A cell without a point gets half a point's area: light
+    /// was met there, so some surface is. Without any points a cell counts as its face, size^2.
     pub fn area(&self, node: u32) -> f64 {
         let n = &self.nodes[node as usize];
         if self.points.is_empty() {
@@ -292,8 +292,8 @@ impl Space {
         1 + self.nodes.len() / 8 * 7
     }
 
-    /// The middle of the octant that the normals of a node point into; z for the root, and where normals are
-    /// not told apart.
+    /// The middle of the octant that the normals of a node point into; z for the root, and where
+    /// normals are not told apart.
     pub fn side(&self, node: u32) -> Vec3 {
         let node = &self.nodes[node as usize];
         if self.grid.normal_levels() == 0 || node.level == 0 {

@@ -101,8 +101,8 @@ impl Trainer {
         self.settings.scene_hash = hash;
     }
 
-    /// Ends training without refining: the records since there were `batches` are no batch, and are not
-    /// kept for a refinement.
+    /// Ends training without refining: the records since there were `batches` are no batch, and are
+    /// not kept for a refinement.
     pub(crate) fn conclude(&mut self, batches: u64) {
         self.intakes.batches = batches;
         self.recent = Recent::default();
@@ -119,9 +119,9 @@ impl Trainer {
     }
 
     /// Gives points spread uniformly over all surfaces, which together stand for `total_area`. From
-    /// them A(r) is estimated for every cell, now and after later splits. Replaces earlier points. A
-    /// field split by normals tells the sides of a surface apart: give it a point for each side that
-    /// light can reach, and count the area of both.
+    /// them A(r) is estimated for every cell, now and after later splits. Replaces earlier points.
+    /// A field split by normals tells the sides of a surface apart: give it a point for each side
+    /// that light can reach, and count the area of both.
     pub fn set_surface(&mut self, points: &[SurfacePoint], total_area: f64) {
         self.space.points = self.space.keys(points);
         self.space.total_area = if total_area > 0.0 && total_area.is_finite() {
@@ -230,8 +230,8 @@ impl Trainer {
         }
     }
 
-    /// How a link's records of one origin divide among the children of a split: by their table; without
-    /// records in it, by the other origin's, at last by measure.
+    /// How a link's records of one origin divide among the children of a split: by their table;
+    /// without records in it, by the other origin's, at last by measure.
     fn shares(&self, link: u32, how: Split, origin: Origin) -> Vec<f64> {
         let other = match origin {
             Origin::Photon => Origin::Path,
@@ -261,8 +261,8 @@ impl Trainer {
         self.recent.bytes()
     }
 
-    /// Bytes held by nodes, links, accumulators and, per cell of R, the look-up tables that freezing
-    /// makes. Surface points come on top: 8 bytes each.
+    /// Bytes held by nodes, links, accumulators and, per cell of R, the look-up tables that
+    /// freezing makes. Surface points come on top: 8 bytes each.
     pub fn bytes(&self) -> u64 {
         (self.product.links.len() * self.link_bytes()
             + self.product.nodes.len() * NODE_BYTES

@@ -2,8 +2,8 @@
 //!
 //! The new content goes to a file of another name in the same directory, is flushed to the disk and
 //! only then renamed over the target. Whatever fails before leaves the target as it was and removes
-//! the other file. A symbolic link stays, and what it names is replaced. What is no file (a pipe, a device)
-//! is never replaced.
+//! the other file. A symbolic link stays, and what it names is replaced. What is no file (a pipe, a
+//! device) is never replaced.
 
 use super::ImageError;
 use super::passing::Passing;
@@ -34,8 +34,8 @@ pub fn replace(
 /// Longest ending of a name that the passing name shares: readers tell formats by it.
 const LONGEST_SUFFIX: usize = 16;
 
-/// Where a file that is written as `target` comes to lie: a symbolic link is followed, for what it names
-/// is replaced and not the link. The file need not be there, its directory must.
+/// Where a file that is written as `target` comes to lie: a symbolic link is followed, for what it
+/// names is replaced and not the link. The file need not be there, its directory must.
 ///
 /// # Errors
 /// When the system refuses, what is there is no regular file, or it may not be written to. What is
@@ -93,9 +93,9 @@ fn writable(target: &Path) -> Result<PathBuf, ImageError> {
     destination(target).map_err(|e| ImageError::new(target, format!("cannot be written: {e}")))
 }
 
-/// As [`replace`], for a file that is written again and again by a program that may be killed at it: the
-/// new content goes to `<target>.new`, so that a killed writer leaves one file, which the next one
-/// takes over. Two programs must not write the same target at once.
+/// As [`replace`], for a file that is written again and again by a program that may be killed at
+/// it: the new content goes to `<target>.new`, so that a killed writer leaves one file, which the
+/// next one takes over. Two programs must not write the same target at once.
 pub fn replace_again(
     target: &Path,
     fill: impl FnOnce(&Path) -> Result<(), String>,
@@ -148,7 +148,8 @@ fn put(
     allow_as_usual(&new, place).map_err(|e| error("permissions cannot be set", e))?;
     new.persist(place)
         .map_err(|e| error("cannot be renamed into place", e.error))?;
-    // The name is safe once the directory is. Not every file system can do that; the pixels are safe.
+    // The name is safe once the directory is. Not every file system can do that; the pixels are
+    // safe.
     let _ = File::open(directory_of(place)).and_then(|d| d.sync_all());
     Ok(())
 }
@@ -160,8 +161,8 @@ fn probe(file: &Path) -> io::Result<()> {
     file.sync_all()
 }
 
-/// Temporary files are made private. The result gets the permissions of the file that it replaces, or
-/// those that a new file would have had.
+/// Temporary files are made private. The result gets the permissions of the file that it replaces,
+/// or those that a new file would have had.
 #[cfg(unix)]
 fn allow_as_usual(new: &Path, target: &Path) -> io::Result<()> {
     use std::os::unix::fs::PermissionsExt;
@@ -234,7 +235,8 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let at = |name: &str| dir.path().join(name);
         std::fs::create_dir(at("far")).unwrap();
-        // Relative to its own directory, and by way of another link; the first time there is no file yet.
+        // Relative to its own directory, and by way of another link; the first time there is no
+        // file yet.
         symlink("far/b.txt", at("middle.txt")).unwrap();
         symlink(at("middle.txt"), at("a.txt")).unwrap();
         for text in ["one", "two"] {

@@ -80,9 +80,9 @@ impl ImageFile {
         Ok(found)
     }
 
-    /// Reads rows (0 is the top) of some channels, interleaved, as `T`, which must be the Rust type of
-    /// `pixel_type`. In a tiled file the range begins at a multiple of [`Header::tile_height`] and
-    /// ends at one or at the last row.
+    /// Reads rows (0 is the top) of some channels, interleaved, as `T`, which must be the Rust type
+    /// of `pixel_type`. In a tiled file the range begins at a multiple of [`Header::tile_height`]
+    /// and ends at one or at the last row.
     pub fn rows<T: bytemuck::Pod>(
         &mut self,
         rows: Range<u32>,
@@ -95,7 +95,8 @@ impl ImageFile {
             .map_err(|e| ImageError::new(&self.path, format!("the image cannot be read: {e}")))
     }
 
-    /// Height of the strips to read the image in: about `numbers` numbers each, cut where tiles are.
+    /// Height of the strips to read the image in: about `numbers` numbers each, cut where tiles
+    /// are.
     pub fn strip_height(&self, numbers: usize) -> u32 {
         let row = self.header.level.width as usize * self.header.channels.len();
         let rows = (numbers / row.max(1)).clamp(1, 1 << 20) as u32;
@@ -114,7 +115,8 @@ impl ImageFile {
         let file_bytes = std::fs::metadata(&self.path).map_or(0, |m| m.len());
         let numbers =
             numbers(&self.header, file_bytes).map_err(|e| ImageError::new(&self.path, e))?;
-        // Zeroed memory is not real memory until it is written: a file that is cut short costs little.
+        // Zeroed memory is not real memory until it is written: a file that is cut short costs
+        // little.
         let mut pixels = vec![0.0f32; numbers];
         let row = level.width as usize * n;
         let strip = self.strip_height(1 << 22);

@@ -38,7 +38,8 @@ pub struct Header {
     pub window: Option<Window>,
     /// Channels, at least one.
     pub channels: Vec<Channel>,
-    /// The widest of the channels' types. Types that are none of ours are read as [`PixelType::Float`].
+    /// The widest of the channels' types. Types that are none of ours are read as
+    /// [`PixelType::Float`].
     pub pixel_type: PixelType,
     /// Height of its tiles; 0 for scan lines.
     pub tile_height: u32,

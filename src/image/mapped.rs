@@ -1,6 +1,7 @@
 //! A file as a slice of memory, without a copy: a mesh of gigabytes is read once, by all threads.
 //!
-//! It stands here, with the images, because this is the room for code that leaves Rust's guarantees.
+//! It stands here, with the images, because this is the room for code that leaves Rust's
+//! guarantees.
 
 use std::ops::Deref;
 use std::path::Path;
@@ -35,8 +36,8 @@ pub fn open(path: &Path) -> std::io::Result<Mapped> {
         return Ok(Mapped::Empty);
     }
     // SAFETY: the map is read only and lives no longer than the load. Bytes that another program
-    // changes meanwhile are as good as any other bytes to the readers, which trust none; only a file
-    // cut short during the load would end the process (SIGBUS), as with every mapped file.
+    // changes meanwhile are as good as any other bytes to the readers, which trust none; only a
+    // file cut short during the load would end the process (SIGBUS), as with every mapped file.
     let map = unsafe { memmap2::Mmap::map(&file) }?;
     Ok(Mapped::Map(map))
 }

@@ -1,8 +1,9 @@
 //! Images: reading, writing and cached texture look-ups through Debian's OpenImageIO.
 //!
-//! [`read`] and [`write()`] move whole images of any channels as linear `f32`; [`file::ImageFile`] reads
-//! rows in the file's own precision, for textures. The format of a file to be written follows from its
-//! name. [`metrics`] says how far one image is from another. With the feature `oiio` off the `exr` crate reads and writes EXR, and nothing else is known.
+//! [`read`] and [`write()`] move whole images of any channels as linear `f32`; [`file::ImageFile`]
+//! reads rows in the file's own precision, for textures. The format of a file to be written follows
+//! from its name. [`metrics`] says how far one image is from another. With the feature `oiio` off
+//! the `exr` crate reads and writes EXR, and nothing else is known.
 //!
 //! ```no_run
 //! use std::path::Path;
@@ -219,8 +220,8 @@ impl Image {
     }
 }
 
-/// Which channels make a colour: `R`, `G`, `B` by name in either case; else the first three; else the
-/// first for all three.
+/// Which channels make a colour: `R`, `G`, `B` by name in either case; else the first three; else
+/// the first for all three.
 pub fn color_channels(names: &[&str]) -> [usize; 3] {
     let find = |want: &str| names.iter().position(|n| n.eq_ignore_ascii_case(want));
     if let (Some(r), Some(g), Some(b)) = (find("R"), find("G"), find("B")) {

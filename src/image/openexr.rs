@@ -65,8 +65,8 @@ fn attributes(shared: &ImageAttributes, own: &LayerAttributes) -> Vec<Attribute>
     list
 }
 
-/// EXR files sort channels by name. As OpenImageIO has them, layers (`albedo.R`) follow the picture, and
-/// colours are in the order R, G, B, A.
+/// EXR files sort channels by name. As OpenImageIO has them, layers (`albedo.R`) follow the
+/// picture, and colours are in the order R, G, B, A.
 fn reading_order(names: &[&str]) -> Vec<usize> {
     let key = |c: &usize| {
         let (layer, channel) = names[*c].rsplit_once('.').unwrap_or(("", names[*c]));

@@ -1,7 +1,7 @@
 //! Files and directories that must not outlive the program, whichever way it ends.
 //!
-//! Destructors take them away when a function returns. A program that is told to quit at once runs none:
-//! [`clear`] takes away what is left then.
+//! Destructors take them away when a function returns. A program that is told to quit at once runs
+//! none: [`clear`] takes away what is left then.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -14,8 +14,8 @@ fn left() -> MutexGuard<'static, Vec<PathBuf>> {
     LEFT.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Stands for a file or directory as long as that is there for a while only. It does not take it away:
-/// that is its maker's business.
+/// Stands for a file or directory as long as that is there for a while only. It does not take it
+/// away: that is its maker's business.
 #[derive(Debug)]
 pub struct Passing(PathBuf);
 

@@ -5,8 +5,9 @@ use exr::meta::MetaData;
 use std::io::{BufRead, BufReader, Read, Seek};
 use std::path::Path;
 
-/// Most bytes of pixels that one byte of a file can stand for. Deflate reaches 1032, and the densest
-/// codec here (DWA, on a black image) about 64 times that: a header that promises more is lying.
+/// Most bytes of pixels that one byte of a file can stand for. Deflate reaches 1032, and the
+/// densest codec here (DWA, on a black image) about 64 times that: a header that promises more is
+/// lying.
 const MOST_BYTES_FROM_ONE: u64 = 1 << 17;
 /// The largest image that is read, in bytes as `f32`.
 const MOST_BYTES: u64 = 1 << 36;
@@ -40,9 +41,9 @@ pub fn numbers(level: Level, channels: usize, file_bytes: u64) -> Result<usize, 
     }
 }
 
-/// Looks at an OpenEXR file before the library does, which takes memory for attributes, tables and rows as
-/// soon as it reads of them (the fuzzer found 500 bytes that took 1.7 GB). Files of other formats, and
-/// headers that make no sense otherwise, are left to the library.
+/// Looks at an OpenEXR file before the library does, which takes memory for attributes, tables and
+/// rows as soon as it reads of them (the fuzzer found 500 bytes that took 1.7 GB). Files of other
+/// formats, and headers that make no sense otherwise, are left to the library.
 ///
 /// # Errors
 /// When the file cannot hold what its headers promise.
@@ -85,8 +86,8 @@ enum Walk {
     Promises(u32),
 }
 
-/// Walks over the attributes of OpenEXR headers: name, type, size, value, each name and type ended by a
-/// zero, each header by an empty name, all headers by an empty header ("OpenEXR File Layout").
+/// Walks over the attributes of OpenEXR headers: name, type, size, value, each name and type ended
+/// by a zero, each header by an empty name, all headers by an empty header ("OpenEXR File Layout").
 fn walk(file: &mut (impl BufRead + Seek), file_bytes: u64) -> Walk {
     let mut start = [0; 8];
     if file.read_exact(&mut start).is_err() || start[..4] != EXR_MAGIC {

@@ -1,7 +1,7 @@
 //! Opening files that are read as a whole: regular files, and nothing else.
 //!
-//! A pipe may never end or never begin, and a device such as `/dev/zero` has no end: whoever reads one
-//! waits or grows for ever. Every reader opens its files here.
+//! A pipe may never end or never begin, and a device such as `/dev/zero` has no end: whoever reads
+//! one waits or grows for ever. Every reader opens its files here.
 
 use rustix::fs::OFlags;
 use std::fs::{File, OpenOptions};
@@ -14,8 +14,8 @@ use std::path::Path;
 /// # Errors
 /// When it cannot be opened, or is a directory, a pipe, a socket or a device.
 pub fn open(path: &Path) -> Result<File> {
-    // Opening a pipe waits for who writes into it, unless this flag says otherwise; it changes nothing
-    // about regular files.
+    // Opening a pipe waits for who writes into it, unless this flag says otherwise; it changes
+    // nothing about regular files.
     let flags = OFlags::NONBLOCK.bits() as i32;
     let file = OpenOptions::new()
         .read(true)

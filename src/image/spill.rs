@@ -1,8 +1,8 @@
 //! Plain numbers on disk instead of in memory, mapped: the system keeps in memory what is used and
 //! drops it when memory runs short.
 //!
-//! The file has no name and is gone with the process. It lies in `$TMPDIR`, or in /var/tmp, since /tmp
-//! is often memory itself.
+//! The file has no name and is gone with the process. It lies in `$TMPDIR`, or in /var/tmp, since
+//! /tmp is often memory itself.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -30,8 +30,8 @@ impl Spill {
         })
     }
 
-    /// Appends bytes. They can be read after [`Spill::map`]. A full disk is an error here and never a
-    /// fault later, because the file has no holes.
+    /// Appends bytes. They can be read after [`Spill::map`]. A full disk is an error here and never
+    /// a fault later, because the file has no holes.
     pub fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
         self.file.write_all(bytes)
     }
@@ -40,8 +40,8 @@ impl Spill {
     pub fn map(&mut self) -> io::Result<()> {
         self.file.flush()?;
         self.map = None;
-        // SAFETY: the file has no name, so that nobody else opens it, and this module only ever makes
-        // it longer: the mapped bytes do not change.
+        // SAFETY: the file has no name, so that nobody else opens it, and this module only ever
+        // makes it longer: the mapped bytes do not change.
         self.map = Some(unsafe { memmap2::Mmap::map(self.file.get_ref()) }?);
         Ok(())
     }

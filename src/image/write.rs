@@ -60,9 +60,9 @@ impl Format {
     }
 }
 
-/// Writes an image. The format follows from the name: EXR, HDR and TIFF keep linear numbers, PNG and
-/// JPEG get exposure and the sRGB curve. Formats with few channels get the colours (`R`, `G`, `B`, for
-/// PNG also `A`, or the first channels).
+/// Writes an image. The format follows from the name: EXR, HDR and TIFF keep linear numbers, PNG
+/// and JPEG get exposure and the sRGB curve. Formats with few channels get the colours (`R`, `G`,
+/// `B`, for PNG also `A`, or the first channels).
 ///
 /// The file appears whole under its name, or the old one stays and the error says why.
 pub fn write(path: &Path, image: &Image, options: &WriteOptions) -> Result<(), ImageError> {

@@ -23,8 +23,8 @@ pub enum Compression {
 /// How to write.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct WriteOptions {
-    /// How numbers are stored; `None` takes what suits the format (EXR half, TIFF float, PNG 8 bits).
-    /// Formats without the type take their own.
+    /// How numbers are stored; `None` takes what suits the format (EXR half, TIFF float, PNG 8
+    /// bits). Formats without the type take their own.
     pub pixel_type: Option<PixelType>,
     /// How pixels are packed.
     pub compression: Compression,

@@ -44,7 +44,8 @@ impl AreaEmitter {
         }
     }
 
-    /// The parts of the surface that can shine, each with its mean radiance. Numbers them from `first`.
+    /// The parts of the surface that can shine, each with its mean radiance. Numbers them from
+    /// `first`.
     pub fn leaves(&mut self, first: usize) -> Vec<(Leaf, Rgb)> {
         if self.constant == Some(Rgb::ZERO) {
             return Vec::new();
@@ -100,8 +101,8 @@ impl AreaEmitter {
         self.both_sides
     }
 
-    /// Mean radiance of a leaf, from a few places on it; never far below the texture's own mean, so that
-    /// a bright spot between the places is still sampled.
+    /// Mean radiance of a leaf, from a few places on it; never far below the texture's own mean, so
+    /// that a bright spot between the places is still sampled.
     fn probe(&self, leaf: &Leaf, floor: Rgb) -> Rgb {
         let mut sum = Rgb::ZERO;
         for i in 0..PROBES {
@@ -160,7 +161,8 @@ impl AreaEmitter {
         sanitized(self.radiance.eval(&point))
     }
 
-    /// Texture coordinates on a triangle; a mesh without any has its barycentric weights, as in Mitsuba.
+    /// Texture coordinates on a triangle; a mesh without any has its barycentric weights, as in
+    /// Mitsuba.
     fn triangle_uv(&self, vertices: [u32; 3], b: Vec2) -> Vec2 {
         let at = |i: usize| {
             let uvs = self.shape.uvs.as_ref()?;
@@ -173,8 +175,8 @@ impl AreaEmitter {
     }
 }
 
-/// Leaves of a mesh and the triangles they stand for. Neighbours in the list that make a parallelogram
-/// become one leaf, if the radiance does not depend on the place.
+/// Leaves of a mesh and the triangles they stand for. Neighbours in the list that make a
+/// parallelogram become one leaf, if the radiance does not depend on the place.
 fn mesh_leaves(mesh: &TriangleMesh, flip: bool, constant: bool) -> Vec<(Leaf, [Option<u32>; 2])> {
     let count = mesh.triangles().len() as u32;
     let mut leaves = Vec::new();

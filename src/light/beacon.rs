@@ -1,7 +1,8 @@
 //! Small, very bright lights: suns and lamps.
 //!
-//! Most lights can be looked for in many directions. These cannot: where one is seen through glass or in a mirror, it
-//! takes a direction that is right to a fraction of a degree. Who wants to aim at it has to know where it is.
+//! Most lights can be looked for in many directions. These cannot: where one is seen through glass
+//! or in a mirror, it takes a direction that is right to a fraction of a degree. Who wants to aim
+//! at it has to know where it is.
 
 use super::EmitterId;
 use crate::accel::Ray;

@@ -56,7 +56,8 @@ impl Lights {
         lamps.into_iter().map(|(_, lamp)| lamp).collect()
     }
 
-    /// A point of a shape that glows, chosen by `u`, and the unit normal on its bright side. `None` if it has none.
+    /// A point of a shape that glows, chosen by `u`, and the unit normal on its bright side. `None`
+    /// if it has none.
     pub fn point_of(&self, emitter: EmitterId, u: [f32; 3]) -> Option<(Vec3, Vec3)> {
         let leaves = &self.local.as_ref()?.leaves;
         let first = leaves.partition_point(|l| l.0 < emitter);

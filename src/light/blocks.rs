@@ -1,22 +1,23 @@
 //! A distribution over the cells of a large map that mostly stays in the processor's cache.
 //!
-//! A table with an entry for each cell of a map of 2048 x 1024 texels has 8 MB, and every draw and every
-//! density waits for several places of it. So cells are put together to square blocks, few enough for a
-//! table that fits the second-level cache. Inside a block the density is linear in the polar angle (it
-//! follows the solid angle) and takes no look at the texels. Blocks where that would be noisy, where a
-//! sun or a window stands out, are *fine*: they are divided into their cells. Coarse blocks and the cells of fine
-//! ones, row by row, are the *parts* that one search chooses among.
+//! A table with an entry for each cell of a map of 2048 x 1024 texels has 8 MB, and every draw and
+//! every density waits for several places of it. So cells are put together to square blocks, few
+//! enough for a table that fits the second-level cache. Inside a block the density is linear in the
+//! polar angle (it follows the solid angle) and takes no look at the texels. Blocks where that
+//! would be noisy, where a sun or a window stands out, are *fine*: they are divided into their
+//! cells. Coarse blocks and the cells of fine ones, row by row, are the *parts* that one search
+//! chooses among.
 //!
 //! Which are fine: the estimator `radiance / pdf` of what the map sends has the relative variance
-//! `sum_b P_b v_b` from inside its blocks, with `P_b` the probability of block b and `v_b` the relative
-//! variance of its texels. Blocks become fine, the largest products first, until the sum is below
-//! [`VARIANCE`]. In a small map each cell is a block, and all are fine.
+//! `sum_b P_b v_b` from inside its blocks, with `P_b` the probability of block b and `v_b` the
+//! relative variance of its texels. Blocks become fine, the largest products first, until the sum
+//! is below [`VARIANCE`]. In a small map each cell is a block, and all are fine.
 
 use crate::math::Vec2;
 use crate::math::distribution::{Discrete, sample_linear, widen};
 
-/// Most blocks along either axis: 256 by 128 of them have 128 KB of cumulative weights, and as much to tell which
-/// block a part belongs to and which parts a block has.
+/// Most blocks along either axis: 256 by 128 of them have 128 KB of cumulative weights, and as much
+/// to tell which block a part belongs to and which parts a block has.
 const BLOCKS: usize = 256;
 /// Relative variance that the coarse blocks may add. Cosine, BSDF and visibility add about 1.
 const VARIANCE: f64 = 0.1;
@@ -49,8 +50,8 @@ pub(super) struct Drawn {
 }
 
 impl Blocks {
-    /// For a map of `width` columns, the last beside the first, with the sine of the polar angle of each
-    /// row; `value` tells how bright a texel is. `None` if all are black.
+    /// For a map of `width` columns, the last beside the first, with the sine of the polar angle of
+    /// each row; `value` tells how bright a texel is. `None` if all are black.
     pub fn new(
         width: usize,
         row_weight: Vec<f32>,

@@ -25,8 +25,9 @@ struct Gathered {
 }
 
 impl Lights {
-    /// Prepares emitters for sampling. `shapes` are the glowing shapes in the order [`Emitter::Area`]
-    /// numbers them; `bounds` holds the whole scene, `target` what photons are to land on.
+    /// Prepares emitters for sampling. `shapes` are the glowing shapes in the order
+    /// [`Emitter::Area`] numbers them; `bounds` holds the whole scene, `target` what photons are to
+    /// land on.
     ///
     /// Emitters of no power and surfaces of no area are never sampled. Channels of a radiance that
     /// are negative, infinite or not numbers count as 0.
@@ -67,7 +68,8 @@ impl Gathered {
                 radiance,
                 both_sides,
             } => {
-                // A number without a shape is a mistake of the caller's that costs this light alone.
+                // A number without a shape is a mistake of the caller's that costs this light
+                // alone.
                 if let Some(shape) = shapes.get(shape as usize) {
                     let glowing = AreaEmitter::new(shape.clone(), radiance, both_sides);
                     area = Some(self.add_area(id, glowing));

@@ -1,9 +1,9 @@
-//! What a point needs to know about a group of lights to judge how much they may send: the ball they
-//! are in, the cone their normals are in, and their strength.
+//! What a point needs to know about a group of lights to judge how much they may send: the ball
+//! they are in, the cone their normals are in, and their strength.
 //!
 //! After Conty Estevez and Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting"
-//! (2018), with the cosine bounds of Pharr, Jakob, Humphreys (2023), 12.6.3: the importance is 0 only
-//! where no light of the group can arrive.
+//! (2018), with the cosine bounds of Pharr, Jakob, Humphreys (2023), 12.6.3: the importance is 0
+//! only where no light of the group can arrive.
 
 use crate::accel::Bounds;
 use crate::math::Vec3;
@@ -15,12 +15,14 @@ pub(super) struct Cluster {
     pub center: Vec3,
     pub radius: f32,
     pub axis: Vec3,
-    /// Cosine of the angle around `axis` that holds all normals; -1 where there is light in all directions.
+    /// Cosine of the angle around `axis` that holds all normals; -1 where there is light in all
+    /// directions.
     pub cos_spread: f32,
     pub strength: f32,
 }
 
-/// The smallest squared distance that counts, relative to nothing: keeps a point on a point light finite.
+/// The smallest squared distance that counts, relative to nothing: keeps a point on a point light
+/// finite.
 const CLOSEST: f32 = 1e-30;
 
 impl Cluster {
@@ -54,8 +56,8 @@ impl Cluster {
         }
     }
 
-    /// An estimate of the irradiance at `p` on a surface with normal `n` (zero: on one that faces the
-    /// light). 0 only if nothing can arrive.
+    /// An estimate of the irradiance at `p` on a surface with normal `n` (zero: on one that faces
+    /// the light). 0 only if nothing can arrive.
     #[inline]
     pub fn importance(&self, p: Vec3, n: Vec3) -> f32 {
         let to = self.center - p;
@@ -69,7 +71,8 @@ impl Cluster {
         // Half-angle under which the ball is seen.
         let sin_ball = self.radius * inv;
         let cos_ball = (1.0 - sin_ball * sin_ball).max(0.0).sqrt();
-        // Angle between the normals' axis and the direction from the light to p, less the spread, less the ball.
+        // Angle between the normals' axis and the direction from the light to p, less the spread,
+        // less the ball.
         let cos_axis = -dir.dot(self.axis);
         let (cos, sin) = less(
             cos_axis,
@@ -142,8 +145,8 @@ impl Lanes {
         }
     }
 
-    /// Without a branch, and in short loops over the lanes, each of which becomes vector instructions:
-    /// what does not apply is computed and not taken.
+    /// Without a branch, and in short loops over the lanes, each of which becomes vector
+    /// instructions: what does not apply is computed and not taken.
     #[inline]
     fn evaluate<const FACING: bool>(&self, p: Vec3, n: Vec3) -> [f32; WIDTH] {
         let (mut d2, mut inv) = ([0.0; WIDTH], [0.0; WIDTH]);

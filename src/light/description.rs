@@ -81,7 +81,8 @@ pub enum Emitter {
         image: Arc<EnvironmentImage>,
         /// Factor on the values.
         scale: f32,
-        /// Local to world; local +y is up, the image's centre is at local +z (Mitsuba's convention).
+        /// Local to world; local +y is up, the image's centre is at local +z (Mitsuba's
+        /// convention).
         to_world: Affine3A,
     },
     /// A sky after Hosek and Wilkie, with or without a sun.

@@ -1,4 +1,5 @@
-//! Light from outside the scene: the same all around, from an image, from a sun's disk, or parallel.
+//! Light from outside the scene: the same all around, from an image, from a sun's disk, or
+//! parallel.
 
 use super::latlong::{LatLong, Patch};
 use crate::math::rgb::selection_weight;
@@ -49,8 +50,8 @@ impl Sun {
         TAU * self.one_minus_cos
     }
 
-    /// Whether the unit direction lies on the disk. The chord keeps its digits where the cosine would not:
-    /// `1 - cos = |a - b|^2 / 2`.
+    /// Whether the unit direction lies on the disk. The chord keeps its digits where the cosine
+    /// would not: `1 - cos = |a - b|^2 / 2`.
     #[inline]
     pub fn contains(&self, dir: Vec3) -> bool {
         (dir - self.center).length_squared() <= 2.0 * self.one_minus_cos
@@ -88,11 +89,11 @@ impl Distant {
         }
     }
 
-    /// Direction, radiance from there (for parallel light its irradiance), and density (0 for parallel light).
-    /// May be `None` below the horizon of `n`, where the light would not count.
+    /// Direction, radiance from there (for parallel light its irradiance), and density (0 for
+    /// parallel light). May be `None` below the horizon of `n`, where the light would not count.
     ///
-    /// The radiance is that of the place that was drawn: looking the direction up again would miss the
-    /// edge of a sun now and then, by its rounding.
+    /// The radiance is that of the place that was drawn: looking the direction up again would miss
+    /// the edge of a sun now and then, by its rounding.
     #[inline]
     pub fn sample(&self, n: Vec3, u: Vec2) -> Option<(Vec3, Drawn, f32)> {
         let known = |(dir, radiance, pdf)| Some((dir, Drawn::Known(radiance), pdf));
@@ -131,8 +132,8 @@ impl Distant {
         }
     }
 
-    /// Radiance from `dir`, and the density of [`Distant::sample`] there; 0 both for parallel light, which
-    /// no ray meets.
+    /// Radiance from `dir`, and the density of [`Distant::sample`] there; 0 both for parallel
+    /// light, which no ray meets.
     #[inline]
     pub fn radiance_pdf(&self, n: Vec3, dir: Vec3) -> (Rgb, f32) {
         match self {
@@ -155,8 +156,8 @@ impl Distant {
         }
     }
 
-    /// Integral of the radiance over all directions, or the irradiance of parallel light: power on a
-    /// disk that faces it, per area.
+    /// Integral of the radiance over all directions, or the irradiance of parallel light: power on
+    /// a disk that faces it, per area.
     pub fn flux_per_area(&self) -> Rgb {
         match self {
             Distant::Constant(radiance) => *radiance * (4.0 * PI),

@@ -1,8 +1,8 @@
 //! How photons leave their lights.
 //!
-//! What is far from all that they could land on, such as a sun that is a disk behind the scene, sends them there alone: of
-//! those that leave a surface by the cosine, one in a thousand would arrive. (`scenes/pool`: one in 650 taught
-//! something, now one in 14.)
+//! What is far from all that they could land on, such as a sun that is a disk behind the scene,
+//! sends them there alone: of those that leave a surface by the cosine, one in a thousand would
+//! arrive. (`scenes/pool`: one in 650 taught something, now one in 14.)
 
 use super::cluster::Cluster;
 use super::distant::Distant;
@@ -25,13 +25,15 @@ pub struct Emission {
     pub dir: Vec3,
     /// Unit normal of the emitting surface; zero for emitters without one.
     pub ng: Vec3,
-    /// Power it carries: the emitter's radiance times cosine over the density of (emitter, position, direction).
+    /// Power it carries: the emitter's radiance times cosine over the density of (emitter,
+    /// position, direction).
     pub power: Rgb,
     /// Which emitter.
     pub emitter: EmitterId,
 }
 
-/// Everything photons can leave from, chosen by power: first the leaves of the light tree, then the distant lights.
+/// Everything photons can leave from, chosen by power: first the leaves of the light tree, then the
+/// distant lights.
 #[derive(Debug)]
 pub(super) struct Sources {
     choice: Discrete,
@@ -40,8 +42,8 @@ pub(super) struct Sources {
     radius: f32,
 }
 
-/// A light is not taken to send less than this part of what it sends along its normal: some of the target may lie before it
-/// though the middle lies behind.
+/// A light is not taken to send less than this part of what it sends along its normal: some of the
+/// target may lie before it though the middle lies behind.
 const LEAST_COSINE: f32 = 0.05;
 
 impl Sources {
@@ -79,7 +81,8 @@ impl Sources {
     }
 }
 
-/// Power a leaf sends into the scene, as luminance; of what is far from the target, about what it sends there.
+/// Power a leaf sends into the scene, as luminance; of what is far from the target, about what it
+/// sends there.
 fn power(leaf: &Leaf, radiance: Rgb, target: &Target) -> f32 {
     match leaf {
         Leaf::Point(l) => {
@@ -99,7 +102,8 @@ fn power(leaf: &Leaf, radiance: Rgb, target: &Target) -> f32 {
     }
 }
 
-/// Solid angle that a surface shines into, times the cosine, on average; about that, for what is far from the target.
+/// Solid angle that a surface shines into, times the cosine, on average; about that, for what is
+/// far from the target.
 fn projected_angle(leaf: &Leaf, target: &Target) -> f32 {
     let Cluster { center, radius, .. } = leaf.cluster(1.0);
     let near = Target {
@@ -140,11 +144,12 @@ fn mean(grid: usize, value: impl Fn(Vec2) -> f32) -> f32 {
 }
 
 impl Lights {
-    /// Starts a photon: chooses an emitter by power, a position and a direction. `None` if nothing shines, or not that way.
+    /// Starts a photon: chooses an emitter by power, a position and a direction. `None` if nothing
+    /// shines, or not that way.
     ///
     /// `u[0]` chooses the emitter, `u[1..3]` the position, `u[3..5]` the direction. The mean of the
-    /// power over all `u` is the power of all emitters together; of those far from what photons are to land on, and of distant
-    /// ones, what falls on a ball around that.
+    /// power over all `u` is the power of all emitters together; of those far from what photons are
+    /// to land on, and of distant ones, what falls on a ball around that.
     pub fn emit(&self, u: [f32; 5]) -> Option<Emission> {
         let sources = self.emission.as_ref()?;
         let salt = u64::from(u[1].to_bits()) << 32 | u64::from(u[3].to_bits());
@@ -224,8 +229,8 @@ impl Lights {
 }
 
 impl Sources {
-    /// A photon from outside: a direction by the light's distribution, then a place on a disk across the
-    /// target.
+    /// A photon from outside: a direction by the light's distribution, then a place on a disk
+    /// across the target.
     fn emit_distant(
         &self,
         emitter: EmitterId,

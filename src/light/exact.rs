@@ -1,7 +1,7 @@
 //! Disks, cylinders and stretched spheres that glow, sampled uniformly over the unit shape.
 //!
-//! An affine map stretches area by a factor that depends on the unit normal alone,
-//! `J = |det M| |M^-T n|`, so a uniform point of the unit shape has density `1 / (A J)` in the world.
+//! An affine map stretches area by a factor that depends on the unit normal alone, `J = |det M|
+//! |M^-T n|`, so a uniform point of the unit shape has density `1 / (A J)` in the world.
 
 use super::cluster::Cluster;
 use super::incident::{Incident, Place, at_distance, solid_angle_density};
@@ -37,7 +37,8 @@ impl ExactArea {
     /// `None` if the map leaves no area.
     pub fn new(shape: ExactShape, flip: bool) -> Option<Self> {
         let m = Mat3::from(shape.to_world.matrix3);
-        // The cofactor matrix: det M * M^-T even where M flattens the shape to nothing along its normal.
+        // The cofactor matrix: det M * M^-T even where M flattens the shape to nothing along its
+        // normal.
         let cofactors = Mat3::from_cols(
             m.y_axis.cross(m.z_axis),
             m.z_axis.cross(m.x_axis),
@@ -83,7 +84,8 @@ impl ExactArea {
                 };
                 Cluster { radius, ..cluster }
             }
-            // Seen from any side about a third (cylinder) or a quarter (sphere) of the area faces a point.
+            // Seen from any side about a third (cylinder) or a quarter (sphere) of the area faces a
+            // point.
             ExactKind::Cylinder => {
                 Cluster::around(&corners, Vec3::Z, -1.0, radiance * self.area / PI)
             }
@@ -93,8 +95,9 @@ impl ExactArea {
         }
     }
 
-    /// The longer half axis of a disk, which a map may have made an ellipse: the root of the larger eigenvalue of its metric. The
-    /// box around a disk is wider, and half of what is aimed at that would miss.
+    /// The longer half axis of a disk, which a map may have made an ellipse: the root of the larger
+    /// eigenvalue of its metric. The box around a disk is wider, and half of what is aimed at that
+    /// would miss.
     fn longest_axis(&self) -> f32 {
         let [x, y] = [Vec3::X, Vec3::Y].map(|v| self.shape.to_world.transform_vector3(v));
         let (sum, difference) = (x.dot(x) + y.dot(y), x.dot(x) - y.dot(y));
@@ -135,8 +138,8 @@ impl ExactArea {
         at_distance(p, q, n, density, Place::Surface)
     }
 
-    /// `ng` is the normal at `q`, from which the stretch follows: `n = M^T N / |M^T N|` and `J = |det M| / |M^T N|`
-    /// for the unit world normal `N`.
+    /// `ng` is the normal at `q`, from which the stretch follows: `n = M^T N / |M^T N|` and `J =
+    /// |det M| / |M^T N|` for the unit world normal `N`.
     #[inline]
     pub fn pdf(&self, p: Vec3, q: Vec3, ng: Vec3) -> f32 {
         let n = match self.shape.kind {

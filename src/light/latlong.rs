@@ -1,11 +1,11 @@
 //! Radiance from far away as a latitude-longitude image, sampled by importance.
 //!
-//! The layout is Mitsuba 3's: local +y is up, row 0 is the zenith and the last row the end of the map
-//! (the nadir); column centres lie half a column apart from the seam, which is at local -z. Values are
-//! bilinear between texels, and so is the density where neighbours differ (see `blocks`): a cell between
-//! four texels is chosen by the sum of their weights (brightness times sine of the polar angle), then a
-//! place in it from the bilinear patch through them. Where a sun covers a few texels the density follows
-//! its flanks exactly.
+//! The layout is Mitsuba 3's: local +y is up, row 0 is the zenith and the last row the end of the
+//! map (the nadir); column centres lie half a column apart from the seam, which is at local -z.
+//! Values are bilinear between texels, and so is the density where neighbours differ (see
+//! `blocks`): a cell between four texels is chosen by the sum of their weights (brightness times
+//! sine of the polar angle), then a place in it from the bilinear patch through them. Where a sun
+//! covers a few texels the density follows its flanks exactly.
 
 use super::beacon::{BRIGHT, Beacon, LEAST_SHARE};
 use super::blocks::Blocks;
@@ -38,8 +38,8 @@ pub(super) struct Patch {
 }
 
 impl LatLong {
-    /// Takes over `pixels` (rows from the top). `None` if the image is black or smaller than 1 by 2.
-    /// `theta_max` is the polar angle of the last row: pi for the whole sphere.
+    /// Takes over `pixels` (rows from the top). `None` if the image is black or smaller than 1 by
+    /// 2. `theta_max` is the polar angle of the last row: pi for the whole sphere.
     pub fn new(size: [usize; 2], pixels: Vec<Rgb>, theta_max: f32, to_world: Mat3) -> Option<Self> {
         let [width, height] = size;
         if width == 0 || height < 2 || pixels.len() != width * height {
@@ -105,7 +105,8 @@ impl LatLong {
         (dir, f64::from(flux))
     }
 
-    /// The world direction of a place, in texels from the map's corner, and the sine of its polar angle.
+    /// The world direction of a place, in texels from the map's corner, and the sine of its polar
+    /// angle.
     #[inline]
     fn direction(&self, column: f32, row: f32) -> (Vec3, f32) {
         let phi = column * (TAU / self.width as f32);
@@ -154,8 +155,8 @@ impl LatLong {
         (bilinear(texels, patch.at), pdf)
     }
 
-    /// A world direction, the place of the map that its radiance comes from, and the density. Directions below the
-    /// horizon of `n` (zero: there is none) are drawn, but come to nothing.
+    /// A world direction, the place of the map that its radiance comes from, and the density.
+    /// Directions below the horizon of `n` (zero: there is none) are drawn, but come to nothing.
     #[inline]
     pub fn sample(&self, n: Vec3, u: Vec2) -> Option<(Vec3, Patch, f32)> {
         let drawn = self.cells.sample(u);
@@ -179,7 +180,8 @@ impl LatLong {
         (above && pdf > 0.0).then_some((dir, patch, pdf))
     }
 
-    /// The patch a world direction lies in, and the sine of its polar angle; `None` beyond the map's last row.
+    /// The patch a world direction lies in, and the sine of its polar angle; `None` beyond the
+    /// map's last row.
     #[inline]
     fn patch(&self, dir: Vec3) -> Option<(Patch, f32)> {
         let d = self.to_local * dir;
@@ -251,7 +253,8 @@ impl LatLong {
     }
 }
 
-/// What a transform does to directions, if it neither stretches nor shears them: it turns them, and may mirror them.
+/// What a transform does to directions, if it neither stretches nor shears them: it turns them, and
+/// may mirror them.
 fn turn(to_world: Mat3) -> Mat3 {
     let y = to_world.y_axis.normalize_or(Vec3::Y);
     let across = y.any_orthonormal_vector();
@@ -262,8 +265,9 @@ fn turn(to_world: Mat3) -> Mat3 {
     Mat3::from_cols(if mirrored { -x } else { x }, y, z)
 }
 
-/// `y.atan2(x)` to 3e-7, several times faster than the library's: a hundredth of a texel of a map 100 000
-/// texels wide. The arc tangent's polynomial on `[-tan(pi/8), tan(pi/8)]` is Cephes' (Moshier).
+/// `y.atan2(x)` to 3e-7, several times faster than the library's: a hundredth of a texel of a map
+/// 100 000 texels wide. The arc tangent's polynomial on `[-tan(pi/8), tan(pi/8)]` is Cephes'
+/// (Moshier).
 #[inline]
 fn angle(y: f32, x: f32) -> f32 {
     let (ax, ay) = (x.abs(), y.abs());
@@ -295,8 +299,8 @@ fn bilinear(c: [Rgb; 4], at: Vec2) -> Rgb {
     upper * (1.0 - at.y) + lower * at.y
 }
 
-/// Integral of the bilinear radiance over solid angle: each row's mean times the integral of the sine
-/// under the row's hat function.
+/// Integral of the bilinear radiance over solid angle: each row's mean times the integral of the
+/// sine under the row's hat function.
 fn integrate(pixels: &[Rgb], [width, height]: [usize; 2], theta_max: f32) -> Rgb {
     let step = f64::from(theta_max) / (height - 1) as f64;
     // Of the sine times a ramp from 0 at a to 1 at b (and for b < a the same with its sign turned).

@@ -71,7 +71,8 @@ impl Leaf {
         }
     }
 
-    /// Density with which [`Leaf::sample`] draws the direction from `p` to `q` on it, where the surface has normal `ng`.
+    /// Density with which [`Leaf::sample`] draws the direction from `p` to `q` on it, where the
+    /// surface has normal `ng`.
     #[inline]
     pub fn pdf(&self, p: Vec3, q: Vec3, ng: Vec3) -> f32 {
         match self {

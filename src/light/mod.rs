@@ -1,12 +1,14 @@
-//! Emitters: what shines, how it is sampled from a point (next-event estimation) and how photons leave it.
+//! Emitters: what shines, how it is sampled from a point (next-event estimation) and how photons
+//! leave it.
 //!
-//! Lights fall into two sets. *Local* ones are in the scene: triangles, exact shapes, points. They are
-//! the leaves of a light tree (`tree.rs`), so that choosing among a million takes seven steps. *Distant* ones
-//! are outside: images, skies, suns, parallel light; there are few, and each knows what it may send to a
-//! surface with a given normal. Which set a sample comes from follows both estimates at the point.
+//! Lights fall into two sets. *Local* ones are in the scene: triangles, exact shapes, points. They
+//! are the leaves of a light tree (`tree.rs`), so that choosing among a million takes seven steps.
+//! *Distant* ones are outside: images, skies, suns, parallel light; there are few, and each knows
+//! what it may send to a surface with a given normal. Which set a sample comes from follows both
+//! estimates at the point.
 //!
-//! Every probability depends on the point and its normal alone, and `pdf_*` computes it from them with
-//! the operations that `sample` uses: the densities agree to rounding.
+//! Every probability depends on the point and its normal alone, and `pdf_*` computes it from them
+//! with the operations that `sample` uses: the densities agree to rounding.
 
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::texture::SurfacePoint;
@@ -68,8 +70,8 @@ pub struct LightSample {
     pub delta: bool,
 }
 
-/// Light that a sample would bring. Most samples are blocked, and the texels of a map are far from the processor: they
-/// are looked up for those that are not.
+/// Light that a sample would bring. Most samples are blocked, and the texels of a map are far from
+/// the processor: they are looked up for those that are not.
 #[derive(Clone, Copy, Debug)]
 pub struct Incoming(Source);
 
@@ -103,7 +105,8 @@ pub struct Lights {
 struct Local {
     leaves: Vec<(EmitterId, Leaf)>,
     tree: LightTree,
-    /// Strengths in the tree are relative to this, so that no product of them leaves the range of `f32`.
+    /// Strengths in the tree are relative to this, so that no product of them leaves the range of
+    /// `f32`.
     unit: f32,
 }
 
@@ -128,12 +131,13 @@ impl Lights {
             self.sample_local(p, n, 1.0 - share, pick, place)
         }?;
         let above = n == Vec3::ZERO || sample.dir.dot(n) > 0.0;
-        // A density may underflow: a light that is never drawn brings nothing, and 0 / 0 is no number.
+        // A density may underflow: a light that is never drawn brings nothing, and 0 / 0 is no
+        // number.
         (above && sample.pdf > 0.0).then_some(sample)
     }
 
-    /// Incident radiance along a sample's direction if nothing is in between. For delta lights the incident
-    /// irradiance on a surface facing them (intensity over squared distance).
+    /// Incident radiance along a sample's direction if nothing is in between. For delta lights the
+    /// incident irradiance on a surface facing them (intensity over squared distance).
     #[inline]
     pub fn radiance(&self, incoming: &Incoming) -> Rgb {
         match &incoming.0 {
@@ -142,8 +146,8 @@ impl Lights {
         }
     }
 
-    /// Reads a word of everything that [`Lights::radiance`] will read for these samples. Called in advance for many in a
-    /// row, so that the processor waits for all of them at once.
+    /// Reads a word of everything that [`Lights::radiance`] will read for these samples. Called in
+    /// advance for many in a row, so that the processor waits for all of them at once.
     #[inline]
     pub fn touch<'i>(&self, incoming: impl Iterator<Item = &'i Incoming>) {
         let mut sum = 0;
@@ -264,8 +268,9 @@ impl Lights {
         })
     }
 
-    /// Density (solid angle, selection included) with which [`Lights::sample`] at `p`, `n` draws the
-    /// direction to the point `q` of triangle `prim` of area emitter `emitter`; `ng` is the unit geometric normal at `q`.
+    /// Density (solid angle, selection included) with which [`Lights::sample`] at `p`, `n` draws
+    /// the direction to the point `q` of triangle `prim` of area emitter `emitter`; `ng` is the
+    /// unit geometric normal at `q`.
     #[inline]
     pub fn pdf_area(
         &self,
@@ -295,9 +300,9 @@ impl Lights {
         density * local.tree.probability(p, n, leaf) * share
     }
 
-    /// Radiance arriving from outside the scene along the ray direction `dir` (the sum over maps, skies,
-    /// suns, constants), and the density (solid angle, selection included) with which [`Lights::sample`]
-    /// at `p`, `n` draws it.
+    /// Radiance arriving from outside the scene along the ray direction `dir` (the sum over maps,
+    /// skies, suns, constants), and the density (solid angle, selection included) with which
+    /// [`Lights::sample`] at `p`, `n` draws it.
     #[inline]
     pub fn environment_pdf(&self, p: Vec3, n: Vec3, dir: Vec3) -> (Rgb, f32) {
         let total = self.distant_importance(n);
@@ -317,7 +322,8 @@ impl Lights {
         (radiance, density * self.distant_share(p, n))
     }
 
-    /// Radiance that area emitter `emitter` sends from `point` along `wo` (unit, away from the surface); 0 from a dark side.
+    /// Radiance that area emitter `emitter` sends from `point` along `wo` (unit, away from the
+    /// surface); 0 from a dark side.
     #[inline]
     pub fn emitted(&self, emitter: EmitterId, point: &SurfacePoint, wo: Vec3) -> Rgb {
         match self.areas.get(emitter as usize) {
@@ -326,7 +332,8 @@ impl Lights {
         }
     }
 
-    /// Radiance arriving from outside the scene along the ray direction `dir` (the sum over environments).
+    /// Radiance arriving from outside the scene along the ray direction `dir` (the sum over
+    /// environments).
     #[inline]
     pub fn environment(&self, dir: Vec3) -> Rgb {
         self.distant
@@ -349,7 +356,8 @@ impl Lights {
         self.len() == 0
     }
 
-    /// Bytes held by the light tree and by environments, without meshes and textures shared with the scene.
+    /// Bytes held by the light tree and by environments, without meshes and textures shared with
+    /// the scene.
     pub fn memory_bytes(&self) -> usize {
         let local = self.local.as_ref().map_or(0, |l| {
             l.tree.memory_bytes() + l.leaves.len() * size_of::<(EmitterId, Leaf)>()

@@ -1,7 +1,7 @@
 //! A slide projector (Mitsuba 3's `projector`): a pinhole camera run backwards.
 //!
-//! The slide's value is the irradiance on the plane one unit in front of the pinhole, times pi, so the
-//! intensity in a direction at angle theta off the axis is `pi value scale / cos^3 theta`.
+//! The slide's value is the irradiance on the plane one unit in front of the pinhole, times pi, so
+//! the intensity in a direction at angle theta off the axis is `pi value scale / cos^3 theta`.
 
 use super::cluster::Cluster;
 use super::incident::DeltaIncident;

@@ -1,6 +1,6 @@
-//! A glowing parallelogram. Where it is a rectangle and large in the sky it is sampled uniformly in solid
-//! angle (Urena, Fajardo, King, "An Area-Preserving Parametrization for Spherical Rectangles", 2013),
-//! otherwise uniformly over its area, which is cheaper and, far away, as good.
+//! A glowing parallelogram. Where it is a rectangle and large in the sky it is sampled uniformly in
+//! solid angle (Urena, Fajardo, King, "An Area-Preserving Parametrization for Spherical
+//! Rectangles", 2013), otherwise uniformly over its area, which is cheaper and, far away, as good.
 
 use super::cluster::Cluster;
 use super::incident::{Incident, Place, at_distance, solid_angle_density};
@@ -21,9 +21,9 @@ pub(super) struct Quad {
     rectangle: Option<([Vec3; 2], [f32; 2])>,
 }
 
-/// Approximate solid angle above which solid angle sampling pays. At 0.05 the relative variance of an
-/// area sample's irradiance beside a square light is still 0.3 (solid angle 0.03), below it falls off;
-/// the sample costs about 150 ns instead of 20.
+/// Approximate solid angle above which solid angle sampling pays. At 0.05 the relative variance of
+/// an area sample's irradiance beside a square light is still 0.3 (solid angle 0.03), below it
+/// falls off; the sample costs about 150 ns instead of 20.
 const LARGE: f32 = 0.05;
 /// Smallest solid angle that the sum of four angles in `f32` gives to better than 1e-4.
 const EXACT_ENOUGH: f32 = 0.01;
@@ -40,7 +40,8 @@ struct Seen {
 }
 
 impl Quad {
-    /// A parallelogram with the given corner and edges that glows on the side of `facing`. `None` if it has no area.
+    /// A parallelogram with the given corner and edges that glows on the side of `facing`. `None`
+    /// if it has no area.
     pub fn new(corner: Vec3, edges: [Vec3; 2], facing: Vec3) -> Option<Self> {
         let (normal, area) = unit_normal(edges[0], edges[1])?;
         let normal = if normal.dot(facing) < 0.0 {

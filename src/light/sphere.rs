@@ -42,8 +42,8 @@ impl Sphere {
         (p, if self.inwards { -n } else { n })
     }
 
-    /// What the sphere is from `p`: direction and distance to its centre and `1 - cos` of the half-angle
-    /// of its cone. `None` if its glowing side cannot be seen.
+    /// What the sphere is from `p`: direction and distance to its centre and `1 - cos` of the
+    /// half-angle of its cone. `None` if its glowing side cannot be seen.
     #[inline]
     fn view(&self, p: Vec3) -> Option<(Vec3, f32, f32)> {
         let to = self.center - p;
@@ -57,7 +57,8 @@ impl Sphere {
             return Some((Vec3::Z, distance, 2.0));
         }
         let sin = self.radius / distance;
-        // 1 - sqrt(1 - sin^2) without cancellation; 1 - sin^2 from the factors, for points close to the surface.
+        // 1 - sqrt(1 - sin^2) without cancellation; 1 - sin^2 from the factors, for points close to
+        // the surface.
         let cos = ((1.0 - sin) * (1.0 + sin)).sqrt();
         Some((to / distance, distance, sin * sin / (1.0 + cos)))
     }
@@ -95,7 +96,8 @@ impl Sphere {
                 .sqrt()
     }
 
-    /// The direction to `q` is inside the cone, because a ray met the sphere at `q`: the far side does not glow.
+    /// The direction to `q` is inside the cone, because a ray met the sphere at `q`: the far side
+    /// does not glow.
     #[inline]
     pub fn pdf(&self, p: Vec3, q: Vec3) -> f32 {
         let Some((_, _, one_minus_cos)) = self.view(p) else {

@@ -1,13 +1,15 @@
 //! Radiance of the sun's disk at the ground, linear sRGB, W / (m^2 sr nm).
 //!
-//! [`preetham`] is Mitsuba 0.x's: sunlight outside the atmosphere, attenuated along the way (Preetham,
-//! Shirley, Smits, "A Practical Analytic Model for Daylight", 1999, appendix 1, after Iqbal). [`hosek`]
-//! is Mitsuba 3's: Hosek and Wilkie's fit of 2013, kept as a table. At turbidity 3 they agree to 10 %
-//! for a sun above 45 degrees; at 20 degrees the first gives 0.7 of the second.
+//! [`preetham`] is Mitsuba 0.x's: sunlight outside the atmosphere, attenuated along the way
+//! (Preetham, Shirley, Smits, "A Practical Analytic Model for Daylight", 1999, appendix 1, after
+//! Iqbal). [`hosek`] is Mitsuba 3's: Hosek and Wilkie's fit of 2013, kept as a table. At turbidity
+//! 3 they agree to 10 % for a sun above 45 degrees; at 20 degrees the first gives 0.7 of the
+//! second.
 
 use crate::math::Rgb;
 
-/// Sunlight outside the atmosphere from 380 to 750 nm in steps of 10, W / (m^2 sr nm) (Preetham et al., table 2).
+/// Sunlight outside the atmosphere from 380 to 750 nm in steps of 10, W / (m^2 sr nm) (Preetham et
+/// al., table 2).
 const OUTSIDE: [f64; 38] = [
     16559.0, 16233.7, 21127.5, 25888.2, 25829.1, 24232.3, 26760.5, 29658.3, 30545.4, 30057.5,
     30663.7, 28830.4, 28712.1, 27825.0, 27100.6, 27233.6, 26361.3, 25503.8, 25060.2, 25311.6,

@@ -1,9 +1,9 @@
-//! Skies and suns: Hosek and Wilkie's sky dome (2012) baked into an importance-sampled map, and the sun
-//! as a disk of one radiance, so that no texel has to be as small as it.
+//! Skies and suns: Hosek and Wilkie's sky dome (2012) baked into an importance-sampled map, and the
+//! sun as a disk of one radiance, so that no texel has to be as small as it.
 //!
-//! Both Mitsubas take the sky from the same fit in linear sRGB, divided by the sum of the CIE luminosity
-//! function so that its unit is W / (m^2 sr nm). Their suns differ, by up to a half at low elevations:
-//! see [`super::sun`].
+//! Both Mitsubas take the sky from the same fit in linear sRGB, divided by the sum of the CIE
+//! luminosity function so that its unit is W / (m^2 sr nm). Their suns differ, by up to a half at
+//! low elevations: see [`super::sun`].
 
 use super::SunSky;
 use super::distant::{Distant, Sun};
@@ -17,7 +17,8 @@ use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 /// Sum of the CIE luminosity function at steps of 1 nm, as the two programs have it.
 const CIE_Y_SUM: [f32; 2] = [106.856_98, 106.750_26];
-/// Size of the baked map. The sky changes fastest within half a degree of the horizon, where a row is 0.18 degrees high.
+/// Size of the baked map. The sky changes fastest within half a degree of the horizon, where a row
+/// is 0.18 degrees high.
 const WIDTH: usize = 1024;
 const HEIGHT: usize = 513;
 /// The map's last row lies on the horizon; the model is evaluated just above it.
@@ -25,7 +26,8 @@ const HORIZON: f32 = FRAC_PI_2 - 1e-4;
 /// Angular radius of the sun that the models' radiance belongs to, degrees.
 const SUN_RADIUS_DEGREES: f32 = 0.5 * 0.5358;
 
-/// The sky and the sun as distant lights. Nothing if the sun is below the horizon, where the models end.
+/// The sky and the sun as distant lights. Nothing if the sun is below the horizon, where the models
+/// end.
 pub(super) fn distant(settings: &SunSky, scale: f32, to_world: &Affine3A) -> Vec<Distant> {
     let up = if settings.z_up { Vec3::Z } else { Vec3::Y };
     let to_sun = settings.sun_direction.normalize_or_zero();
@@ -105,8 +107,8 @@ fn sky(
 }
 
 impl SunSky {
-    /// Irradiance times `scale` that the sky causes on level ground, and the sun on a surface that faces it; black below
-    /// the horizon.
+    /// Irradiance times `scale` that the sky causes on level ground, and the sun on a surface that
+    /// faces it; black below the horizon.
     pub fn irradiance(&self, scale: f32) -> Rgb {
         /// Rows of the sky: it is to tell how bright a picture will be.
         const ROWS: u32 = 32;

@@ -20,7 +20,8 @@ pub(super) struct Cone {
 
 /// The ball is a little larger than the one around a box, which touches its corners.
 const MARGIN: f32 = 1.0001;
-/// From where a target takes more than this sine squared (30 degrees), photons leave in all directions: few would miss.
+/// From where a target takes more than this sine squared (30 degrees), photons leave in all
+/// directions: few would miss.
 const WIDE: f32 = 0.25;
 
 impl Target {

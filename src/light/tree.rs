@@ -1,9 +1,9 @@
-//! A tree over the lights of the scene: how one of millions is chosen in proportion to what it may send
-//! to a point, in time that grows with the tree's depth.
+//! A tree over the lights of the scene: how one of millions is chosen in proportion to what it may
+//! send to a point, in time that grows with the tree's depth.
 //!
-//! A node has up to eight children, and their importance (see [`Cluster::importance`]) is computed for
-//! all of them at once: the same operations on eight numbers, which the compiler turns into vector
-//! instructions. The probability of a light is the product along its path, which
+//! A node has up to eight children, and their importance (see [`Cluster::importance`]) is computed
+//! for all of them at once: the same operations on eight numbers, which the compiler turns into
+//! vector instructions. The probability of a light is the product along its path, which
 //! [`LightTree::probability`] walks from the leaf up.
 
 use super::cluster::{Cluster, Lanes, WIDTH};
@@ -54,7 +54,8 @@ impl LightTree {
         }
     }
 
-    /// Appends a node; its children's indices must be the ones they have or will have. At most eight.
+    /// Appends a node; its children's indices must be the ones they have or will have. At most
+    /// eight.
     pub fn push(&mut self, children: &[(Cluster, Child)]) {
         let mut node = Node {
             lanes: Lanes::EMPTY,
@@ -82,8 +83,8 @@ impl LightTree {
         self.root.importance(p, n)
     }
 
-    /// Chooses a leaf by `u` in `[0, 1)`. Returns it with its probability; `None` if no light can arrive
-    /// from the branch that was taken.
+    /// Chooses a leaf by `u` in `[0, 1)`. Returns it with its probability; `None` if no light can
+    /// arrive from the branch that was taken.
     #[inline]
     pub fn sample(&self, p: Vec3, n: Vec3, u: f64) -> Option<(usize, f32)> {
         if self.nodes.is_empty() {

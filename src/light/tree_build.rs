@@ -1,5 +1,5 @@
-//! Building the light tree: binned splits by the surface area orientation heuristic
-//! (Conty Estevez and Kulla 2018): strength times the area of the bounds times the measure of the directions lit.
+//! Building the light tree: binned splits by the surface area orientation heuristic (Conty Estevez
+//! and Kulla 2018): strength times the area of the bounds times the measure of the directions lit.
 
 use super::cluster::Cluster;
 use super::cluster::WIDTH;
@@ -10,7 +10,8 @@ use std::f32::consts::{FRAC_PI_2, PI};
 
 /// Bins on each axis.
 const BINS: usize = 12;
-/// Depth beyond which the list is halved by count, so that no arrangement of lights makes a deep tree.
+/// Depth beyond which the list is halved by count, so that no arrangement of lights makes a deep
+/// tree.
 const HALVE_FROM: u32 = 32;
 /// Lights by which a split is judged; of more, some evenly strewn over the list.
 const LOOKED_AT: usize = 4096;
@@ -75,7 +76,8 @@ impl Group {
         }
     }
 
-    /// Strength times area times the measure of directions lit, for a surface that shines over a hemisphere.
+    /// Strength times area times the measure of directions lit, for a surface that shines over a
+    /// hemisphere.
     fn cost(&self) -> f32 {
         if self.bounds.is_empty() {
             return 0.0;
@@ -158,8 +160,8 @@ impl LightTree {
     }
 }
 
-/// Makes nodes of up to eight children from the binary tree, from the root down: the child with the most
-/// lights is replaced by its own two until there is no more room.
+/// Makes nodes of up to eight children from the binary tree, from the root down: the child with the
+/// most lights is replaced by its own two until there is no more room.
 fn widen(forks: &[Fork], tree: &mut LightTree) {
     let mut queue = std::collections::VecDeque::from([0u32]);
     let mut numbered = 1;
@@ -197,8 +199,9 @@ fn total(items: &[Item]) -> Group {
         .fold(Group::EMPTY, |g, item| g.union(&item.group))
 }
 
-/// Writes the tree over `items` into `forks` (one fewer than items), whose first has the index `base`.
-/// A child with m lights takes m - 1 forks, so both halves know their place and are built in parallel.
+/// Writes the tree over `items` into `forks` (one fewer than items), whose first has the index
+/// `base`. A child with m lights takes m - 1 forks, so both halves know their place and are built
+/// in parallel.
 fn split(items: &mut [Item], forks: &mut [Fork], base: usize, depth: u32, leaves: &[Cluster]) {
     let count = items.len() as u32;
     let Some((fork, rest)) = forks.split_first_mut() else {
@@ -229,7 +232,8 @@ fn split(items: &mut [Item], forks: &mut [Fork], base: usize, depth: u32, leaves
     }
 }
 
-/// Orders `items` so that one child's come first; returns how many they are, at least one and not all.
+/// Orders `items` so that one child's come first; returns how many they are, at least one and not
+/// all.
 fn partition(items: &mut [Item], depth: u32) -> usize {
     let half = items.len() / 2;
     if items.len() == 2 {
@@ -265,7 +269,8 @@ fn bin_of(x: f32, min: f32, extent: f32) -> usize {
     (((x - min) / extent * BINS as f32) as usize).min(BINS - 1)
 }
 
-/// The axis and the last bin of the first child for the cheapest split; `None` if nothing separates the lights.
+/// The axis and the last bin of the first child for the cheapest split; `None` if nothing separates
+/// the lights.
 fn best_split(items: &[Item], centers: Bounds, extent: Vec3) -> Option<(usize, usize)> {
     let longest = extent.max_element();
     let mut best: Option<(f32, usize, usize)> = None;
@@ -279,7 +284,8 @@ fn best_split(items: &[Item], centers: Bounds, extent: Vec3) -> Option<(usize, u
             let i = bin_of(x, centers.min[axis], extent[axis]);
             bins[i] = bins[i].union(&item.group);
         }
-        // Long thin halves are worse than their area says: weigh by how much longer the longest side is.
+        // Long thin halves are worse than their area says: weigh by how much longer the longest
+        // side is.
         let regularity = longest / extent[axis];
         for (bin, cost) in sweep(&bins) {
             let cost = cost * regularity;
@@ -291,7 +297,8 @@ fn best_split(items: &[Item], centers: Bounds, extent: Vec3) -> Option<(usize, u
     best.map(|(_, axis, bin)| (axis, bin))
 }
 
-/// Each place between two bins that separates lights, by the bin before it, and the cost of parting there.
+/// Each place between two bins that separates lights, by the bin before it, and the cost of parting
+/// there.
 fn sweep(bins: &[Group; BINS]) -> impl Iterator<Item = (usize, f32)> + '_ {
     let mut above = [0.0; BINS];
     let mut group = Group::EMPTY;

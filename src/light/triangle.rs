@@ -65,8 +65,8 @@ impl Triangle {
     }
 }
 
-/// Unit normal and length of `a x b`; computed in `f64`, so that slivers and shapes far below or above
-/// the scale of one keep theirs. `None` if the edges span nothing.
+/// Unit normal and length of `a x b`; computed in `f64`, so that slivers and shapes far below or
+/// above the scale of one keep theirs. `None` if the edges span nothing.
 pub(super) fn unit_normal(a: Vec3, b: Vec3) -> Option<(Vec3, f32)> {
     let cross = a.as_dvec3().cross(b.as_dvec3());
     let length = cross.length();

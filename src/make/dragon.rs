@@ -1,8 +1,8 @@
 //! A wall along the dragon curve, which rises as it goes.
 //!
-//! The curve's n-th step goes in direction i^g, where g is the number of ones in the Gray code of n;
-//! sums of them follow digit by digit from those over powers of two. The wall joins the middles of the
-//! steps: so it cuts the corners at which the curve would touch itself.
+//! The curve's n-th step goes in direction i^g, where g is the number of ones in the Gray code of
+//! n; sums of them follow digit by digit from those over powers of two. The wall joins the middles
+//! of the steps: so it cuts the corners at which the curve would touch itself.
 
 use super::half_quad;
 use crate::math::DVec3;

@@ -1,7 +1,7 @@
 //! Spheres on spheres: each carries nine, a third as large.
 //!
-//! All spheres of a level together have the area of the first, so each level gets the same number of
-//! triangles and all triangles are about of one size.
+//! All spheres of a level together have the area of the first, so each level gets the same number
+//! of triangles and all triangles are about of one size.
 
 use crate::math::DVec3;
 use glam::DMat3;
@@ -58,7 +58,8 @@ impl Flake {
         let mut best = Self::with(FEWEST_RINGS, 1);
         for count in 1.. {
             let first = (triangles as f64 / (4.0 * f64::from(count))).sqrt() as u64;
-            // A level of coarse spheres has fewer triangles than its share: the first makes up for it.
+            // A level of coarse spheres has fewer triangles than its share: the first makes up for
+            // it.
             let fit = (first..=first + first / 4 + 1)
                 .take_while(|&f| Self::with(f.max(FEWEST_RINGS), count).triangles() <= triangles)
                 .last();

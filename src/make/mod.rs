@@ -1,8 +1,8 @@
 //! Meshes of any size from a formula, for trying the renderer at the scale of production.
 //!
-//! Every vertex and every triangle follows from its number alone, in closed form: they are computed by
-//! all threads and written in order, a batch at a time, so memory does not grow with the mesh and the
-//! same words give the same file.
+//! Every vertex and every triangle follows from its number alone, in closed form: they are computed
+//! by all threads and written in order, a batch at a time, so memory does not grow with the mesh
+//! and the same words give the same file.
 
 mod dragon;
 mod flake;
@@ -40,8 +40,8 @@ enum Form {
 }
 
 impl Pattern {
-    /// A shape of about `triangles` triangles: as near as its structure allows, and never fewer than a
-    /// few dozen.
+    /// A shape of about `triangles` triangles: as near as its structure allows, and never fewer
+    /// than a few dozen.
     pub fn new(kind: Kind, triangles: u64) -> Self {
         Self(match kind {
             Kind::Terrain => Form::Terrain(terrain::Terrain::new(triangles)),
@@ -94,8 +94,8 @@ impl Pattern {
     }
 }
 
-/// One of the two triangles of a quad with corners 0, 1 on one side and 2, 3 on the other, in the same
-/// direction.
+/// One of the two triangles of a quad with corners 0, 1 on one side and 2, 3 on the other, in the
+/// same direction.
 fn half_quad([a, b, c, d]: [u64; 4], second: bool) -> [u64; 3] {
     if second { [b, d, c] } else { [a, b, c] }
 }

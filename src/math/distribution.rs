@@ -1,24 +1,26 @@
 //! Choosing one of many by weight, with the exact probability of each choice.
 //!
 //! Cumulative weights are fixed-point numbers of 32 bits, not floats: their resolution is the same
-//! everywhere (a float close to 1 keeps no more than 24 bits, which a sky beside a sun needs), and the
-//! probability that is reported is the difference of two of them, so it is the one that is drawn with.
-//! Everything of positive weight keeps a positive probability. A guide table of one entry for every
-//! few choices makes the search short.
+//! everywhere (a float close to 1 keeps no more than 24 bits, which a sky beside a sun needs), and
+//! the probability that is reported is the difference of two of them, so it is the one that is
+//! drawn with. Everything of positive weight keeps a positive probability. A guide table of one
+//! entry for every few choices makes the search short.
 //!
 //! Inversion keeps stratified random numbers stratified; an alias table would not.
 
 use super::rng::{BELOW_ONE, hash64};
 
-/// The whole of the cumulative weights: one less than 2^32, so that an end that must never be reached fits 32 bits.
+/// The whole of the cumulative weights: one less than 2^32, so that an end that must never be
+/// reached fits 32 bits.
 const WHOLE: u64 = u32::MAX as u64;
 /// One part of the whole.
 const UNIT: f32 = 1.0 / WHOLE as f32;
 /// Choices for each entry of a guide table.
 const PER_GUIDE: usize = 4;
 
-/// A number in `[0, 1)` with 64 bits, in units of 2^-64, from one with 24 and a hash: choosing among millions, and using
-/// what is left of the number for a place inside the choice, needs more bits than an `f32` brings.
+/// A number in `[0, 1)` with 64 bits, in units of 2^-64, from one with 24 and a hash: choosing
+/// among millions, and using what is left of the number for a place inside the choice, needs more
+/// bits than an `f32` brings.
 #[inline]
 pub fn widen(u: f32, salt: u64) -> u64 {
     let upper = u64::from(((u.clamp(0.0, 1.0) * 16_777_216.0) as u32).min(0x00ff_ffff)) << 40;
@@ -148,7 +150,8 @@ impl Discrete {
     }
 }
 
-/// A number in `[0, 1)` with density `2 lerp(a, b, x) / (a + b)`, for `a`, `b` not negative and not both 0.
+/// A number in `[0, 1)` with density `2 lerp(a, b, x) / (a + b)`, for `a`, `b` not negative and not
+/// both 0.
 #[inline]
 pub fn sample_linear(a: f32, b: f32, u: f32) -> f32 {
     // Relative to their sum, so that the squares of tiny weights do not vanish.

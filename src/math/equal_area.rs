@@ -4,8 +4,9 @@
 //! The map is the octahedral one of Clarberg ("Fast Equal-Area Mapping of the (Hemi)Sphere using
 //! SIMD", JGT 2008): the upper hemisphere fills the inner diamond of the square, the lower one is
 //! folded out into the corners. Equal areas in the square are equal solid angles, so the quadtree
-//! cell of level `l` covers exactly 4 pi / 4^l steradians and a uniform direction inside it costs two
-//! random numbers. Nowhere is it singular: no pole where cells degenerate, no azimuth that wraps.
+//! cell of level `l` covers exactly 4 pi / 4^l steradians and a uniform direction inside it costs
+//! two random numbers. Nowhere is it singular: no pole where cells degenerate, no azimuth that
+//! wraps.
 
 use super::special::quarter_turn;
 use glam::{Vec2, Vec3};
@@ -55,8 +56,8 @@ pub fn sphere_to_square(w: Vec3) -> Vec2 {
     p.clamp(Vec2::ZERO, Vec2::ONE)
 }
 
-/// The unit vector along `v` even where its square would overflow or underflow; `None` for a zero or
-/// non-finite vector.
+/// The unit vector along `v` even where its square would overflow or underflow; `None` for a zero
+/// or non-finite vector.
 #[inline]
 pub fn unit(v: Vec3) -> Option<Vec3> {
     let m = v.abs().max_element();

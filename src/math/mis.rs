@@ -1,12 +1,14 @@
 //! Multiple importance sampling weights that cannot overflow.
 
-/// The power heuristic (Veach 1997, beta 2) of a strategy with density `a` against one with density `b`.
+/// The power heuristic (Veach 1997, beta 2) of a strategy with density `a` against one with density
+/// `b`.
 ///
 /// Written with the ratio of the smaller to the larger, so that squares of densities beyond 1.8e19
 /// do not overflow. Infinite `a` (a delta) gives 1; two zeros give 0.
 #[inline]
 pub fn power_heuristic(a: f32, b: f32) -> f32 {
-    // Which is the larger is chance: a processor that guesses it wrong loses more time than all of this takes.
+    // Which is the larger is chance: a processor that guesses it wrong loses more time than all of
+    // this takes.
     let larger = if a >= b { a } else { b };
     let smaller = if a >= b { b } else { a };
     if larger.is_infinite() {

@@ -1,5 +1,6 @@
-//! Mathematics that knows nothing of rendering's other rooms: vectors and colours, orthonormal frames,
-//! warps from the unit square, random numbers, and arithmetic that neither overflows nor loses digits.
+//! Mathematics that knows nothing of rendering's other rooms: vectors and colours, orthonormal
+//! frames, warps from the unit square, random numbers, and arithmetic that neither overflows nor
+//! loses digits.
 
 pub mod distribution;
 pub mod equal_area;

@@ -14,9 +14,9 @@ pub const fn gamma(n: u32) -> f32 {
     nu / (1.0 - nu)
 }
 
-/// A point that is exact (on a plane through the origin, say) must leave its surface as well, and by
-/// more than a denormal: threads that trace flush those to zero. Next to any other coordinate this vanishes.
-/// Guarded by `an_exact_point_leaves_its_surface`.
+/// A point that is exact (on a plane through the origin, say) must leave its surface as well, and
+/// by more than a denormal: threads that trace flush those to zero. Next to any other coordinate
+/// this vanishes. Guarded by `an_exact_point_leaves_its_surface`.
 const SMALLEST_OFFSET: f32 = 1e-30;
 
 /// The origin for a ray that leaves `p` (known to within `error` on each axis) in direction `dir`,
@@ -38,17 +38,18 @@ pub fn offset_origin(p: Vec3, error: Vec3, ng: Vec3, dir: Vec3) -> Vec3 {
     )
 }
 
-/// The origin for a ray that leaves a point which was not met but sampled on a surface with unit normal `n`: it is exact
-/// to a few roundings.
+/// The origin for a ray that leaves a point which was not met but sampled on a surface with unit
+/// normal `n`: it is exact to a few roundings.
 #[inline]
 pub fn offset_sampled(p: Vec3, n: Vec3, dir: Vec3) -> Vec3 {
     offset_origin(p, p.abs() * (8.0 * f32::EPSILON), n, dir)
 }
 
-/// One float further towards the sign of `toward`. (`f32::next_up` needs a newer compiler than Debian 13's.)
+/// One float further towards the sign of `toward`. (`f32::next_up` needs a newer compiler than
+/// Debian 13's.)
 ///
-/// Computed both ways and then chosen from: which way it goes is chance, and a processor that guesses it
-/// wrong loses more time than this takes.
+/// Computed both ways and then chosen from: which way it goes is chance, and a processor that
+/// guesses it wrong loses more time than this takes.
 #[inline]
 fn nudge(x: f32, toward: f32) -> f32 {
     // A float's bits, read as a number, grow with its magnitude.

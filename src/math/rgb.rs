@@ -2,7 +2,8 @@
 
 use glam::Vec3;
 
-/// A linear sRGB triple: radiance (W m^-2 sr^-1), reflectance (0 to 1) or a weight, as the context says.
+/// A linear sRGB triple: radiance (W m^-2 sr^-1), reflectance (0 to 1) or a weight, as the context
+/// says.
 pub type Rgb = Vec3;
 
 /// Luminance of a linear sRGB colour (Rec. 709 primaries), in the colour's own unit.

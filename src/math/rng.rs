@@ -49,7 +49,8 @@ pub fn unit_f32(bits: u32) -> f32 {
 /// The largest f32 below 1, where a rescaled random number may round up to 1.
 pub const BELOW_ONE: f32 = 1.0 - f32::EPSILON * 0.5;
 
-/// Mixes 64 bits so that every input bit moves every output bit (the finaliser of MurmurHash3, Stafford's variant 13).
+/// Mixes 64 bits so that every input bit moves every output bit (the finaliser of MurmurHash3,
+/// Stafford's variant 13).
 #[inline]
 pub fn hash64(mut x: u64) -> u64 {
     x ^= x >> 30;

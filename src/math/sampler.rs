@@ -1,8 +1,9 @@
 //! The numbers that drive one path: independent, or Owen-scrambled Sobol points.
 //!
-//! A path draws its numbers in blocks of four. Block 0 is the camera's (place on the film, place on the
-//! lens); each vertex then takes two. Which number means what never depends on what happened before at
-//! other vertices of the same path, so Sobol dimensions keep their meaning from sample to sample.
+//! A path draws its numbers in blocks of four. Block 0 is the camera's (place on the film, place on
+//! the lens); each vertex then takes two. Which number means what never depends on what happened
+//! before at other vertices of the same path, so Sobol dimensions keep their meaning from sample to
+//! sample.
 
 use super::rng::{Pcg32, hash_all};
 
@@ -36,11 +37,13 @@ impl PathSampler {
         }
     }
 
-    /// Owen-scrambled Sobol points (Burley 2020), scrambled differently in every pixel and sequence.
+    /// Owen-scrambled Sobol points (Burley 2020), scrambled differently in every pixel and
+    /// sequence.
     ///
-    /// `begin` is the first sample of the sequence, at most `sample`. Points of one sequence avoid each
-    /// other, so they are not independent. Where the values of some samples decide how many others are
-    /// taken, or how, the others must be of another sequence: otherwise the mean is biased.
+    /// `begin` is the first sample of the sequence, at most `sample`. Points of one sequence avoid
+    /// each other, so they are not independent. Where the values of some samples decide how many
+    /// others are taken, or how, the others must be of another sequence: otherwise the mean is
+    /// biased.
     #[inline]
     pub fn sobol(seed: u64, pixel: u64, begin: u64, sample: u64) -> Self {
         let index = sample - begin;
@@ -53,7 +56,8 @@ impl PathSampler {
         }
     }
 
-    /// The numbers of a way that splits off here, one of several told apart by `number`: independent ones.
+    /// The numbers of a way that splits off here, one of several told apart by `number`:
+    /// independent ones.
     #[inline]
     pub fn fork(&self, number: u32) -> Self {
         let mut rng = self.rng;
@@ -122,8 +126,8 @@ mod tests {
         }
     }
 
-    /// The second halves of sequences of 16, given that the first half has put a point into the lowest
-    /// sixteenth: never one there in the same sequence, as often as anywhere in another.
+    /// The second halves of sequences of 16, given that the first half has put a point into the
+    /// lowest sixteenth: never one there in the same sequence, as often as anywhere in another.
     #[test]
     fn points_of_another_sequence_do_not_avoid_those_of_the_first() {
         let in_lowest = |pixel, begin, sample| {
@@ -138,8 +142,8 @@ mod tests {
             }
         }
         assert_eq!(same, 0);
-        // Half of the sequences have their one point of sixteen among the first eight; of the others' eight
-        // points each is there with a chance of 1/16.
+        // Half of the sequences have their one point of sixteen among the first eight; of the
+        // others' eight points each is there with a chance of 1/16.
         let expected = given as f64 / 2.0;
         assert!((given as f64 - 2048.0).abs() < 4.0 * 32.0, "{given}");
         assert!(

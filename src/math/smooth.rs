@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-/// An image, row by row, smoothed by the same kernel along both axes. Beyond an edge there is nothing to
-/// count: the weights of what is there are made to sum to one.
+/// An image, row by row, smoothed by the same kernel along both axes. Beyond an edge there is
+/// nothing to count: the weights of what is there are made to sum to one.
 pub fn smooth(image: &[f32], [width, height]: [usize; 2], kernel: &[f32]) -> Vec<f32> {
     let mut across = vec![0.0; image.len()];
     let rows = across.par_chunks_mut(width).zip(image.par_chunks(width));

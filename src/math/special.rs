@@ -1,6 +1,7 @@
-//! Functions in single precision that the standard library lacks or has too slowly: the error function and
-//! its inverse, which sampling Beckmann's microfacets needs, the exponential, which mixtures of Gaussians are
-//! made of, and an angle, which finding a direction's cell needs several times at every vertex.
+//! Functions in single precision that the standard library lacks or has too slowly: the error
+//! function and its inverse, which sampling Beckmann's microfacets needs, the exponential, which
+//! mixtures of Gaussians are made of, and an angle, which finding a direction's cell needs several
+//! times at every vertex.
 
 use super::rng::BELOW_ONE;
 use std::f32::consts::{FRAC_PI_2, PI};
@@ -19,8 +20,9 @@ pub fn erf(x: f32) -> f32 {
     (1.0 - p * exp_negative(-x * x)).copysign(x)
 }
 
-/// The arc cosines of four numbers at once, to 3e-7; what is beyond [-1, 1] is taken as these. By the
-/// polynomial of Moshier's Cephes library (`asinf`), without a branch, so that the loop becomes vector code.
+/// The arc cosines of four numbers at once, to 3e-7; what is beyond [-1, 1] is taken as these. By
+/// the polynomial of Moshier's Cephes library (`asinf`), without a branch, so that the loop becomes
+/// vector code.
 ///
 /// ```
 /// let [a, b, ..] = twintree::math::special::arc_cosines([0.5, -1.0, 0.0, 1.0]);
@@ -47,8 +49,8 @@ pub fn arc_cosines(x: [f32; 4]) -> [f32; 4] {
 /// [`exp_negative`] is 0 from here on.
 pub const VANISHING: f32 = -87.0;
 
-/// e^x for x <= 0, to 2e-7; 0 from [`VANISHING`] on. Without a branch, so that loops over it become vector code, and the
-/// same bits on every machine.
+/// e^x for x <= 0, to 2e-7; 0 from [`VANISHING`] on. Without a branch, so that loops over it become
+/// vector code, and the same bits on every machine.
 ///
 /// ```
 /// assert!((twintree::math::special::exp_negative(-1.0) - 0.367_879_44).abs() < 1e-7);
@@ -87,8 +89,9 @@ pub fn erf_inv(y: f32) -> f32 {
     }
 }
 
-/// The angle of the vector `(x, y)`, both not negative and not both 0, as a share of a right angle: 0 along
-/// x, 1 along y. Absolute error below 2e-7. Four times as fast as `atan2`, and the same bits wherever it runs.
+/// The angle of the vector `(x, y)`, both not negative and not both 0, as a share of a right angle:
+/// 0 along x, 1 along y. Absolute error below 2e-7. Four times as fast as `atan2`, and the same
+/// bits wherever it runs.
 ///
 /// ```
 /// assert!((twintree::math::special::quarter_turn(1.0, 1.0) - 0.5).abs() < 2e-7);
@@ -100,8 +103,8 @@ pub fn quarter_turn(x: f32, y: f32) -> f32 {
     if y > x { 1.0 - share } else { share }
 }
 
-/// 2/pi atan(t)/t as a polynomial in t^2 on `[0, 1]`, highest power first: the best of degree 8, by Remez'
-/// exchange.
+/// 2/pi atan(t)/t as a polynomial in t^2 on `[0, 1]`, highest power first: the best of degree 8, by
+/// Remez' exchange.
 const ARC_TANGENT: [f32; 9] = [
     1.848_461_1e-3,
     -1.036_609_3e-2,

@@ -1,10 +1,11 @@
 //! Sums that are exact and do not depend on order: non-negative values in 128-bit fixed point.
 //!
 //! A floating-point sum of 1e9 photons either stalls (in `f32`, at 2^24 equal terms) or depends on
-//! the order of its terms, and with it on the number of threads. An integer sum does neither, and two
-//! sums made on two machines add up to the same bits as one. Terms are stored in quanta of
-//! 2^-60 of a *unit*, a power of two near the typical term. A `f32` from 2^-36 to 2^30 units is exact;
-//! smaller ones round to the quantum, larger ones are clamped. 2^37 terms fit whatever they are.
+//! the order of its terms, and with it on the number of threads. An integer sum does neither, and
+//! two sums made on two machines add up to the same bits as one. Terms are stored in quanta of
+//! 2^-60 of a *unit*, a power of two near the typical term. A `f32` from 2^-36 to 2^30 units is
+//! exact; smaller ones round to the quantum, larger ones are clamped. 2^37 terms fit whatever they
+//! are.
 
 /// Bits below the unit.
 const FRACTION_BITS: i32 = 60;

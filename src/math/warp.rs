@@ -3,7 +3,8 @@
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_4, TAU};
 
-/// Uniform on the unit disk, area preserving and without a seam (Shirley and Chiu 1997). Density 1/pi.
+/// Uniform on the unit disk, area preserving and without a seam (Shirley and Chiu 1997). Density
+/// 1/pi.
 #[inline]
 pub fn concentric_disk(u: Vec2) -> Vec2 {
     let o = u * 2.0 - Vec2::ONE;
@@ -22,8 +23,9 @@ pub fn concentric_disk(u: Vec2) -> Vec2 {
     }
 }
 
-/// Sine and cosine of `|x| <= pi/4` to 1e-7, by the polynomials of Moshier's Cephes library (`sinf`, `cosf`):
-/// a third of the cost of the general functions, in the renderer's innermost loop.
+/// Sine and cosine of `|x| <= pi/4` to 1e-7, by the polynomials of Moshier's Cephes library
+/// (`sinf`, `cosf`): a third of the cost of the general functions, in the renderer's innermost
+/// loop.
 #[inline]
 fn sin_cos_octant(x: f32) -> (f32, f32) {
     let z = x * x;

@@ -1,9 +1,9 @@
 //! Photons: light traced forwards, from the emitters, to teach the field where it comes from.
 //!
 //! A photon leaves an emitter chosen by power ([`crate::light::Lights::emit`]), scatters by the
-//! materials it meets and is thinned by Russian roulette. Wherever it lands on something that is not
-//! a perfect mirror or clear glass it leaves a [`Landing`]. Nothing here stores photons: a batch is
-//! traced in waves, each wave's landings are handed on and forgotten.
+//! materials it meets and is thinned by Russian roulette. Wherever it lands on something that is
+//! not a perfect mirror or clear glass it leaves a [`Landing`]. Nothing here stores photons: a
+//! batch is traced in waves, each wave's landings are handed on and forgotten.
 //!
 //! Photon `i` of a seed is the same photon whatever the batch, the thread or the machine.
 
@@ -27,7 +27,8 @@ pub struct Landing {
     pub distance: f32,
     /// Scatterings since the emitter: 0 is direct light.
     pub bounces: u32,
-    /// All scatterings so far were off mirrors or clear glass (and there was at least one): a caustic.
+    /// All scatterings so far were off mirrors or clear glass (and there was at least one): a
+    /// caustic.
     pub specular: bool,
 }
 

@@ -1,17 +1,19 @@
 //! How many photons, and in which batches.
 //!
-//! Batches double: early ones are cheap and shape the trees coarsely, later ones fill them. How many are
-//! worth their while depends on the scene and on the render that they serve. In a scene whose light comes
-//! in through a window one photon in twenty lands at all, and eight million of them take a second; in a
-//! closed room each lands five times, and a million do. A preview of a second needs a coarse field, a render
-//! of an hour a fine one. So, unless a number is given, batches go on until
+//! Batches double: early ones are cheap and shape the trees coarsely, later ones fill them. How
+//! many are worth their while depends on the scene and on the render that they serve. In a scene
+//! whose light comes in through a window one photon in twenty lands at all, and eight million of
+//! them take a second; in a closed room each lands five times, and a million do. A preview of a
+//! second needs a coarse field, a render of an hour a fine one. So, unless a number is given,
+//! batches go on until
 //!
-//! * the next one would cost more than its share of the render's work, or of the time that is allowed;
-//! * or the last one has taught next to nothing: what refining gained by it is small beside what remains, and
-//!   there were enough photons and landings to tell.
+//! * the next one would cost more than its share of the render's work, or of the time that is
+//!   allowed;
+//! * or the last one has taught next to nothing: what refining gained by it is small beside what
+//!   remains, and there were enough photons and landings to tell.
 //!
-//! Counted in photons and landings, the decision is the same on every machine and for any number of threads;
-//! only a limit of time makes it differ, as it makes the render itself.
+//! Counted in photons and landings, the decision is the same on every machine and for any number of
+//! threads; only a limit of time makes it differ, as it makes the render itself.
 
 use std::ops::Range;
 use std::time::Duration;
@@ -19,15 +21,16 @@ use std::time::Duration;
 /// Photons of the first batch, where the number is not given.
 const FIRST: u64 = 1 << 12;
 /// A batch that lowers the divergence by less than this, in nats, ends learning from photons. (In
-/// veach-ajar the batch that makes a million gains 0.027, in the Cornell box 0.04, in a kitchen lit by a
-/// window the one that makes four million 0.21.)
+/// veach-ajar the batch that makes a million gains 0.027, in the Cornell box 0.04, in a kitchen lit
+/// by a window the one that makes four million 0.21.)
 const LITTLE: f64 = 0.02;
-/// Fewer photons cannot tell that nothing is left to learn: of a caustic's they may have met none. (A glass ball
-/// and a ring under a small lamp: 43 cells after the first batch.)
+/// Fewer photons cannot tell that nothing is left to learn: of a caustic's they may have met none.
+/// (A glass ball and a ring under a small lamp: 43 cells after the first batch.)
 const TELLING: u64 = 63 * FIRST;
-/// Nor can fewer landings: where one photon in a hundred lands, a batch fills no cell so far that dividing it would gain
-/// anything. (A pool under a small sun, two of four seeds: 0.5 million photons and 5000 landings instead of 2 million and
-/// 21 000; relMSE of 64 samples 0.24 and 0.21 instead of 0.09.)
+/// Nor can fewer landings: where one photon in a hundred lands, a batch fills no cell so far that
+/// dividing it would gain anything. (A pool under a small sun, two of four seeds: 0.5 million
+/// photons and 5000 landings instead of 2 million and 21 000; relMSE of 64 samples 0.24 and 0.21
+/// instead of 0.09.)
 const TELLING_LANDINGS: u64 = 1 << 15;
 /// Photons after which all trees are large enough.
 const MOST: u64 = 1 << 25;
@@ -83,7 +86,8 @@ pub struct Schedule {
     next: u64,
     size: u64,
     landings: u64,
-    /// What batches have cost, in samples of the image, and the share of the render's that they may.
+    /// What batches have cost, in samples of the image, and the share of the render's that they
+    /// may.
     work: f64,
     share: f64,
     /// Nothing is left to learn.
@@ -159,9 +163,9 @@ impl Schedule {
     }
 }
 
-/// Takes from the photons of a batch as many as will land about `wanted` times, if they land as often as all photons
-/// before them did, which landed `landings` times: a large batch is traced and learned from in parts, so that
-/// few more landings than that are held.
+/// Takes from the photons of a batch as many as will land about `wanted` times, if they land as
+/// often as all photons before them did, which landed `landings` times: a large batch is traced and
+/// learned from in parts, so that few more landings than that are held.
 pub fn part(batch: &mut Range<u64>, landings: u64, wanted: u64) -> Range<u64> {
     let traced = batch.start;
     let size = match landings {
@@ -174,7 +178,8 @@ pub fn part(batch: &mut Range<u64>, landings: u64, wanted: u64) -> Range<u64> {
     part
 }
 
-/// Cuts `records` into `count` ranges, each twice as long as the one before; empty ones are left out.
+/// Cuts `records` into `count` ranges, each twice as long as the one before; empty ones are left
+/// out.
 pub fn doubling(records: u64, count: u32) -> Vec<Range<u64>> {
     let count = count.clamp(1, 32);
     let shares = (1u64 << count) - 1;

@@ -69,8 +69,8 @@ pub struct Z {
     pub inside: f64,
     /// z of the image's mean, for red, green and blue.
     pub of_mean: [f64; 3],
-    /// Standard deviation of z of pixels and of the means over blocks of 4 x 4 and 16 x 16 pixels: 1 where noise
-    /// explains the differences; `null` where the image has no such block.
+    /// Standard deviation of z of pixels and of the means over blocks of 4 x 4 and 16 x 16 pixels:
+    /// 1 where noise explains the differences; `null` where the image has no such block.
     pub deviations: [Option<f64>; 3],
 }
 

@@ -1,5 +1,5 @@
-//! The curves of `twintree bench scale` as SVG: seconds, memory and rays over the number of triangles,
-//! on logarithmic axes, where n log n is all but a straight line.
+//! The curves of `twintree bench scale` as SVG: seconds, memory and rays over the number of
+//! triangles, on logarithmic axes, where n log n is all but a straight line.
 
 use super::scale::{ScaleBench, TracerRow};
 use plotters::coord::combinators::IntoLogRange;

@@ -38,9 +38,11 @@ pub struct Stats {
     pub rays_per_second: f64,
     /// Expected root of the relative mean squared error; `null` below two samples a pixel.
     pub noise: Option<f32>,
-    /// Standard error of the noise, as a share of it: large where a few pixels have most of the variance.
+    /// Standard error of the noise, as a share of it: large where a few pixels have most of the
+    /// variance.
     pub noise_error: Option<f32>,
-    /// Share of the variance that the noisiest 0.1 % of the numbers have, which the noise leaves out.
+    /// Share of the variance that the noisiest 0.1 % of the numbers have, which the noise leaves
+    /// out.
     pub noise_worst: Option<f32>,
     /// Samples dropped because they were not finite.
     pub invalid_samples: u64,
@@ -52,7 +54,8 @@ pub struct Stats {
     pub train_seconds: f64,
     /// Bytes of the learned field; 0 without one.
     pub field_memory_bytes: u64,
-    /// Most bytes that learning held on the way: trees, and the records that they learned from; 0 without it.
+    /// Most bytes that learning held on the way: trees, and the records that they learned from; 0
+    /// without it.
     pub learning_memory_bytes: u64,
     /// Rendering.
     pub render_seconds: f64,

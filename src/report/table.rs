@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-/// A table: a head and rows of as many cells. The first column is for names and stands left, numbers
-/// stand right.
+/// A table: a head and rows of as many cells. The first column is for names and stands left,
+/// numbers stand right.
 pub fn markdown(head: &[&str], rows: &[Vec<String>]) -> String {
     let length = |text: &str| text.chars().count();
     let widths: Vec<usize> = head

@@ -95,8 +95,8 @@ const PAPER: [Paper; 2] = [
 ];
 
 impl Row {
-    /// The medians of repeats, of which there must be one at least. The total is the sum of the medians
-    /// of its parts.
+    /// The medians of repeats, of which there must be one at least. The total is the sum of the
+    /// medians of its parts.
     pub fn median(rows: &[Row]) -> Row {
         let of = |value: fn(&Row) -> f64| {
             let mut values: Vec<f64> = rows.iter().map(value).collect();
@@ -142,8 +142,8 @@ impl Table1 {
         super::json(self)
     }
 
-    /// For each scene the table, then each double hierarchy's row divided by that of the mixtures beside
-    /// the paper's.
+    /// For each scene the table, then each double hierarchy's row divided by that of the mixtures
+    /// beside the paper's.
     pub fn to_table(&self) -> String {
         let mut text = format!(
             "{} samples a pixel, {} x {} photons, {} threads, medians of {}\n",

@@ -77,8 +77,8 @@ pub fn lights_of(description: &mut Description) -> Lights {
 impl Scene {
     /// Radiance that a surface sends from a point where a ray met it, along `wo`.
     ///
-    /// Opacity is no matter of what a surface emits (Mitsuba's meaning). Rays meet it by the chance of
-    /// its opacity, so what they find there is worth more; light samples need no such chance.
+    /// Opacity is no matter of what a surface emits (Mitsuba's meaning). Rays meet it by the chance
+    /// of its opacity, so what they find there is worth more; light samples need no such chance.
     #[inline]
     pub fn emitted(&self, surface: &Surface, point: &SurfacePoint, wo: Vec3) -> Rgb {
         let radiance = self.lights.emitted(surface.emitter, point, wo);
@@ -100,8 +100,8 @@ impl Scene {
     }
 }
 
-/// The radiance without that of places that are cut out: rays never meet those, so light must not be
-/// sampled there either.
+/// The radiance without that of places that are cut out: rays never meet those, so light must not
+/// be sampled there either.
 fn uncut(radiance: Texture, opacity: Texture) -> Texture {
     match opacity.constant() {
         Some(c) if c.max_element() > 0.0 => radiance,

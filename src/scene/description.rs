@@ -16,8 +16,9 @@ pub struct Mesh {
     pub triangles: Arc<TriangleMesh>,
     /// Unit shading normals, one for each vertex; `None` for flat shading.
     pub normals: Option<Vec<Vec3>>,
-    /// Tangents that a file gives, one for each vertex, instead of those that follow from texture coordinates:
-    /// unit directions along u, and 1, or -1 where the texture is laid on back to front.
+    /// Tangents that a file gives, one for each vertex, instead of those that follow from texture
+    /// coordinates: unit directions along u, and 1, or -1 where the texture is laid on back to
+    /// front.
     pub tangents: Option<Vec<Vec4>>,
     /// Texture coordinates, one for each vertex.
     pub uvs: Option<Arc<Vec<Vec2>>>,
@@ -64,7 +65,8 @@ pub enum SamplerKind {
 /// What a scene says about how to render it. Everything here can be overridden on the command line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderDescription {
-    /// Path edges seen from the camera, Mitsuba's meaning: 1 is emission only, 2 adds direct light; `None` is unlimited.
+    /// Path edges seen from the camera, Mitsuba's meaning: 1 is emission only, 2 adds direct light;
+    /// `None` is unlimited.
     pub max_depth: Option<u32>,
     /// Russian roulette starts at this depth (Mitsuba's `rr_depth`).
     pub rr_depth: u32,

@@ -6,7 +6,8 @@ use crate::math::{Frame, Vec2, Vec3};
 use crate::texture::SurfacePoint;
 use std::f32::consts::{PI, TAU};
 
-/// Unit-space position, normal and tangents of an exact shape at a hit, with the position pulled onto the shape.
+/// Unit-space position, normal and tangents of an exact shape at a hit, with the position pulled
+/// onto the shape.
 struct UnitPoint {
     p: Vec3,
     n: Vec3,
@@ -60,9 +61,9 @@ fn unit_point(kind: ExactKind, q: Vec3) -> UnitPoint {
     }
 }
 
-/// The point where a ray met an exact shape at the world position `met`. The second fundamental form of
-/// the unit sphere is the identity: its normal changes as the position does. A cylinder's does so along
-/// u alone, and the normals of flat shapes do not change.
+/// The point where a ray met an exact shape at the world position `met`. The second fundamental
+/// form of the unit sphere is the identity: its normal changes as the position does. A cylinder's
+/// does so along u alone, and the normals of flat shapes do not change.
 pub(super) fn exact_point<'a>(
     shape: &ExactShape,
     flip: bool,

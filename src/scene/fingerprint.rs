@@ -1,10 +1,11 @@
-//! A number that tells scenes apart: two parts of an image, or a checkpoint and the render that goes on
-//! from it, must show the same scene.
+//! A number that tells scenes apart: two parts of an image, or a checkpoint and the render that
+//! goes on from it, must show the same scene.
 //!
-//! It covers everything that can change a pixel: geometry, materials, emitters, camera, and the contents
-//! of the image files that they use. Film and render settings are not in it, since the command line has
-//! the last word on them, and neither are names and directories: a scene may lie elsewhere on another
-//! machine. 64 bits of XXH3 are enough against accidents, and it keeps up with the disk.
+//! It covers everything that can change a pixel: geometry, materials, emitters, camera, and the
+//! contents of the image files that they use. Film and render settings are not in it, since the
+//! command line has the last word on them, and neither are names and directories: a scene may lie
+//! elsewhere on another machine. 64 bits of XXH3 are enough against accidents, and it keeps up with
+//! the disk.
 
 use super::description::{Description, Geometry, Mesh, Shape};
 use crate::light::Emitter;
@@ -16,7 +17,8 @@ use std::path::Path;
 use std::sync::Arc;
 use xxhash_rust::xxh3::Xxh3;
 
-/// The fingerprint of a scene that has not been built yet, with the textures that its importer opened.
+/// The fingerprint of a scene that has not been built yet, with the textures that its importer
+/// opened.
 ///
 /// # Errors
 /// When the file of an environment map cannot be read.
@@ -42,7 +44,8 @@ pub fn fingerprint(scene: &Description, textures: &[Arc<Bitmap>]) -> io::Result<
     Ok(print.0.digest())
 }
 
-/// The fingerprint of a texture: of its file, or of its texels where it comes from no file of its own.
+/// The fingerprint of a texture: of its file, or of its texels where it comes from no file of its
+/// own.
 fn of_bitmap(bitmap: &Bitmap) -> u64 {
     let mut print = Print(Xxh3::new());
     print.text(format_args!("{bitmap:?}"));

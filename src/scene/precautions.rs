@@ -1,10 +1,11 @@
 //! What is done against rounding in a scene: each precaution, whether it is on, and why.
 //!
-//! Most are on in every scene, because no scene tells beforehand that it can do without. One is not: tests
-//! of edges that no ray slips through (Embree's "robust" mode) slow all rays down. A ray that slips through
-//! an edge of a sheet shows what is behind, a millionth of the light; one that slips out of a closed body, or
-//! out of glass, goes on where no path can be. So they are on where a mesh is closed or refracts, which is
-//! decided here from the scene. `tests/bench/precautions.py` measures what each costs.
+//! Most are on in every scene, because no scene tells beforehand that it can do without. One is
+//! not: tests of edges that no ray slips through (Embree's "robust" mode) slow all rays down. A ray
+//! that slips through an edge of a sheet shows what is behind, a millionth of the light; one that
+//! slips out of a closed body, or out of glass, goes on where no path can be. So they are on where
+//! a mesh is closed or refracts, which is decided here from the scene. `tests/bench/precautions.py`
+//! measures what each costs.
 
 use super::description::{Description, Geometry};
 use crate::accel::TriangleMesh;
@@ -87,8 +88,8 @@ fn refracts(material: &Material) -> bool {
 
 /// Whether every edge of the mesh is met by an even number of triangles: it then has no border.
 ///
-/// Nothing is stored: the hashes of all edges, regardless of their direction, cancel in pairs. What is left
-/// of a mesh with a border is 0 once in 2^64 times.
+/// Nothing is stored: the hashes of all edges, regardless of their direction, cancel in pairs. What
+/// is left of a mesh with a border is 0 once in 2^64 times.
 fn is_closed(mesh: &TriangleMesh) -> bool {
     let triangles = mesh.triangles();
     let edges = |t: &[u32; 3]| {

@@ -1,7 +1,8 @@
 //! Only what the scene requires: buffers of meshes that nothing reads are given back before the ray
 //! tracer is built, which is when memory is shortest.
 //!
-//! Textures and anisotropic materials read texture coordinates, textures read attributes. No pixel changes.
+//! Textures and anisotropic materials read texture coordinates, textures read attributes. No pixel
+//! changes.
 
 use super::description::{Description, Geometry, Mesh};
 use crate::light::Emitter;

@@ -15,8 +15,8 @@ use std::sync::Arc;
 /// [`Surface::emitter`] of a surface that does not glow.
 pub const DARK: EmitterId = EmitterId::MAX;
 
-/// Largest turn of a normal by rounding that rays are moved for, radians: triangles with more are all but
-/// lines.
+/// Largest turn of a normal by rounding that rays are moved for, radians: triangles with more are
+/// all but lines.
 const MOST_TURNED: f32 = 1e-2;
 
 /// A shape as rays meet it.
@@ -97,9 +97,9 @@ impl Surfaces {
 }
 
 impl Surfaces {
-    /// Reads a word of everything in the meshes that [`Surfaces::point`] will read for these hits. Called in
-    /// advance for many hits in a row, so that the processor waits for all of them at once: hits are
-    /// scattered over memory, and waiting for each took a tenth of a render.
+    /// Reads a word of everything in the meshes that [`Surfaces::point`] will read for these hits.
+    /// Called in advance for many hits in a row, so that the processor waits for all of them at
+    /// once: hits are scattered over memory, and waiting for each took a tenth of a render.
     #[inline]
     pub fn touch(&self, hits: &[Hit]) {
         let mut sum = 0;
@@ -132,8 +132,8 @@ fn touch_triangle(mesh: &Mesh, prim: u32) -> u32 {
 impl Opacity for Surfaces {
     fn opacity(&self, hit: &Hit) -> f32 {
         let surface = &self.list[hit.shape as usize];
-        // Opacity is read from a texture: only texture coordinates matter, and those need no ray for
-        // triangles. Exact shapes carry theirs in the hit.
+        // Opacity is read from a texture: only texture coordinates matter, and those need no ray
+        // for triangles. Exact shapes carry theirs in the hit.
         let point = match &surface.form {
             Form::Mesh(_) => surface.local_point(Vec3::ZERO, hit),
             Form::Exact(..) => SurfacePoint::at_uv(Vec2::new(hit.u, hit.v)),
@@ -159,9 +159,10 @@ impl Surface {
     }
 }
 
-/// How far the plane that a ray tracer computes from the edges may be from the triangle's: the rounding of
-/// the edges' product turns the normal by that over the product's length, which is little unless the
-/// triangle is long and thin. Guarded by the stability suite's `s03_triangles_are_left`.
+/// How far the plane that a ray tracer computes from the edges may be from the triangle's: the
+/// rounding of the edges' product turns the normal by that over the product's length, which is
+/// little unless the triangle is long and thin. Guarded by the stability suite's
+/// `s03_triangles_are_left`.
 #[inline]
 fn plane_error(e1: Vec3, e2: Vec3, cross_length: f32) -> f32 {
     let edges = e1.length_squared() * e2.length_squared();

@@ -1,4 +1,5 @@
-//! Points of surfaces under affine maps: positions with their rounding errors, normals and tangents.
+//! Points of surfaces under affine maps: positions with their rounding errors, normals and
+//! tangents.
 
 use crate::math::offset::gamma;
 use crate::math::{Affine3A, Frame, Vec3};
@@ -13,7 +14,8 @@ pub(super) fn normal_to_world(to_object: &Affine3A, n: Vec3) -> Vec3 {
     (to_object.matrix3.transpose() * n).normalize_or(Vec3::Z)
 }
 
-/// Rounding error of `map.transform_point3(p)` for an exact `p`: three products and three sums on each axis.
+/// Rounding error of `map.transform_point3(p)` for an exact `p`: three products and three sums on
+/// each axis.
 pub(super) fn transform_error(map: &Affine3A, p: Vec3) -> Vec3 {
     let m = &map.matrix3;
     let terms = Vec3::from(m.x_axis.abs()) * p.x.abs()

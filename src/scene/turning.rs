@@ -1,4 +1,5 @@
-//! How the normals that light is scattered by turn along a surface: what bends a pencil of rays besides their angles.
+//! How the normals that light is scattered by turn along a surface: what bends a pencil of rays
+//! besides their angles.
 
 use super::description::Mesh;
 use super::surface::{Form, Surface, Surfaces};
@@ -31,8 +32,9 @@ impl Turning {
 }
 
 impl Surfaces {
-    /// The change of the unit normal that [`Surfaces::point`] interpolates at a hit, to first order, for each of two moves of
-    /// the point `p` along the surface; world space. Not finite where a surface has no normal.
+    /// The change of the unit normal that [`Surfaces::point`] interpolates at a hit, to first
+    /// order, for each of two moves of the point `p` along the surface; world space. Not finite
+    /// where a surface has no normal.
     pub fn turns(&self, hit: &Hit, p: Vec3, moves: [Vec3; 2]) -> [Vec3; 2] {
         let surface = &self.list[hit.shape as usize];
         let turning = if hit.instance == NO_INSTANCE {
@@ -119,7 +121,8 @@ mod tests {
         Scene::build(&mut description, BuildSettings::default(), Backend::Obvhs).unwrap()
     }
 
-    /// Normals where rays beside each other meet a surface, against what the turns of the middle one say.
+    /// Normals where rays beside each other meet a surface, against what the turns of the middle
+    /// one say.
     fn expect_turns(name: &str, scene: &Scene, ray: &Ray) {
         let met = |ray: &Ray| {
             let mut hits = [Hit::NONE];

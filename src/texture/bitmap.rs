@@ -1,9 +1,9 @@
 //! Image textures.
 //!
 //! An image is looked up in one of three ways, and all give the same numbers at the finest level:
-//! *resident* texels, linear after one table look-up and a few nanoseconds away, while they fit into
-//! the store's budget; the same texels *spilled* to disk and mapped; and, for files that are tiled,
-//! OpenImageIO's tile cache, many times slower but bounded and without a copy of the file.
+//! *resident* texels, linear after one table look-up and a few nanoseconds away, while they fit
+//! into the store's budget; the same texels *spilled* to disk and mapped; and, for files that are
+//! tiled, OpenImageIO's tile cache, many times slower but bounded and without a copy of the file.
 //! Values are made linear before they are interpolated.
 //!
 //! Row 0 of an image lies at v = 0, as in Mitsuba 3 and glTF: loaders of formats whose v points up
@@ -25,8 +25,8 @@ pub struct Bitmap {
     texels_per_uv: Vec2,
 }
 
-/// What was asked for and the size: not the texels, and not the directory, so that a scene that is moved
-/// keeps its fingerprint.
+/// What was asked for and the size: not the texels, and not the directory, so that a scene that is
+/// moved keeps its fingerprint.
 impl std::fmt::Debug for Bitmap {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let name = self.settings.path.file_name();
@@ -87,8 +87,8 @@ impl Bitmap {
         self.texels.survey.bad
     }
 
-    /// The linear value of a texel of the finest level; row 0 is the file's first and lies at v = 0.
-    /// Coordinates beyond the image are those of its edge.
+    /// The linear value of a texel of the finest level; row 0 is the file's first and lies at v =
+    /// 0. Coordinates beyond the image are those of its edge.
     pub fn texel(&self, x: u32, y: u32) -> Rgb {
         let (x, y) = (x.min(self.width() - 1), y.min(self.height() - 1));
         self.fetch(0, [x; 2], [y; 2], 0.0, 0.0)
@@ -139,8 +139,8 @@ impl Bitmap {
         self.eval_uv(point.uv, level)
     }
 
-    /// The value at texture coordinates (before [`BitmapSettings::to_uv`]) on a mip level, 0 being the
-    /// finest; levels that do not exist are the coarsest.
+    /// The value at texture coordinates (before [`BitmapSettings::to_uv`]) on a mip level, 0 being
+    /// the finest; levels that do not exist are the coarsest.
     #[inline]
     pub fn eval_uv(&self, uv: Vec2, level: usize) -> Rgb {
         let s = &self.settings;
@@ -186,8 +186,8 @@ impl Bitmap {
         self.texels.levels
     }
 
-    /// The mip level for a point's footprint. The width of a pixel's cone is laid along u and along v;
-    /// the smaller extent counts.
+    /// The mip level for a point's footprint. The width of a pixel's cone is laid along u and along
+    /// v; the smaller extent counts.
     #[inline]
     pub fn level_at(&self, point: &SurfacePoint) -> usize {
         if self.settings.filter == Filter::Nearest {

@@ -1,7 +1,7 @@
 //! Texels through OpenImageIO's tile cache, for tiled images that do not fit into memory.
 //!
-//! OpenImageIO interpolates stored values, and an average of sRGB codes is not the code of the average.
-//! So only texels are asked of it, and they are made linear here before they are mixed.
+//! OpenImageIO interpolates stored values, and an average of sRGB codes is not the code of the
+//! average. So only texels are asked of it, and they are made linear here before they are mixed.
 
 use super::curve::{Cleaner, Curve};
 use crate::image::PixelType;

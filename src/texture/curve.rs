@@ -17,7 +17,8 @@ pub(super) enum Curve {
 
 impl Curve {
     /// The curve of a file's numbers: integers are sRGB and floats linear, unless the scene knows
-    /// better. A gamma of -1 is Mitsuba 0.x's name for sRGB. Alpha (`linear_channel`) never has a curve.
+    /// better. A gamma of -1 is Mitsuba 0.x's name for sRGB. Alpha (`linear_channel`) never has a
+    /// curve.
     pub fn of(settings: &BitmapSettings, stored: PixelType, linear_channel: bool) -> Self {
         if settings.raw || linear_channel {
             return Self::Linear;

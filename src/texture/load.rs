@@ -57,8 +57,8 @@ impl Plan {
         })
     }
 
-    /// How texels are kept: as stored, but 16-bit integers as half floats, or as floats where they are
-    /// heights or the like and need every bit.
+    /// How texels are kept: as stored, but 16-bit integers as half floats, or as floats where they
+    /// are heights or the like and need every bit.
     pub fn kept(&self) -> PixelType {
         match self.file.header().pixel_type {
             PixelType::U16 if self.raw => PixelType::Float,
@@ -226,8 +226,8 @@ impl Plan {
         Ok(census.summary(size, self.channels.len() == 1))
     }
 
-    /// Calls `take` with the chosen channels of the texels of the file's current level, a strip of rows
-    /// at a time from the top, read as `stored`.
+    /// Calls `take` with the chosen channels of the texels of the file's current level, a strip of
+    /// rows at a time from the top, read as `stored`.
     fn each_strip<S: Pod, const N: usize>(
         &mut self,
         stored: PixelType,

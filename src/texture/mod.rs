@@ -1,4 +1,5 @@
-//! Textures: a value at a point of a surface, from a constant, an image, a pattern or the mesh itself.
+//! Textures: a value at a point of a surface, from a constant, an image, a pattern or the mesh
+//! itself.
 
 mod bitmap;
 #[cfg(feature = "oiio")]
@@ -64,7 +65,8 @@ pub struct SurfacePoint<'a> {
     pub dn_dv: Vec3,
     /// Texture coordinates.
     pub uv: Vec2,
-    /// Width in world units of what a pixel sees here (a ray cone's width); 0 asks for the finest level.
+    /// Width in world units of what a pixel sees here (a ray cone's width); 0 asks for the finest
+    /// level.
     pub footprint: f32,
     /// Triangle index in its mesh.
     pub prim: u32,
@@ -169,7 +171,8 @@ pub struct BitmapSettings {
     pub path: std::path::PathBuf,
     /// Use the numbers as they are: no sRGB curve is undone (roughness, normals).
     pub raw: bool,
-    /// Exponent that overrides the file's own curve; `None` takes the curve from the file (sRGB for 8 bit, linear for float).
+    /// Exponent that overrides the file's own curve; `None` takes the curve from the file (sRGB for
+    /// 8 bit, linear for float).
     pub gamma: Option<f32>,
     /// Interpolation.
     pub filter: Filter,
@@ -245,8 +248,8 @@ impl Texture {
         }
     }
 
-    /// The mean value over the whole texture, for light selection and sampling weights. The mean of a
-    /// mesh attribute is not known here: a half stands for it.
+    /// The mean value over the whole texture, for light selection and sampling weights. The mean of
+    /// a mesh attribute is not known here: a half stands for it.
     pub fn mean(&self) -> Rgb {
         match self {
             Texture::Constant(c) => *c,

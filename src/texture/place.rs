@@ -49,11 +49,12 @@ pub(super) fn neighbours(u: f32, size: u32, wrap: Wrap) -> ([u32; 2], f32) {
     ([lo as u32, hi as u32], weight)
 }
 
-/// The level whose texels are no wider than half of what a sample sees, for `squared`, the square of
-/// that width in texels of the finest level.
+/// The level whose texels are no wider than half of what a sample sees, for `squared`, the square
+/// of that width in texels of the finest level.
 ///
-/// Half of it and not all: samples lie close together inside a pixel and average what aliasing is left,
-/// while an over-wide texel would blur for good. The exponent of a float is the floor of its logarithm.
+/// Half of it and not all: samples lie close together inside a pixel and average what aliasing is
+/// left, while an over-wide texel would blur for good. The exponent of a float is the floor of its
+/// logarithm.
 #[inline(always)]
 pub(super) fn level(squared: f32, count: usize) -> usize {
     if !(squared >= 16.0 && squared.is_finite()) {

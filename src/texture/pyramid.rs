@@ -1,8 +1,8 @@
-//! Texels in memory: an image and its mip levels in the most compact form that keeps them as exact as
-//! the file has them.
+//! Texels in memory: an image and its mip levels in the most compact form that keeps them as exact
+//! as the file has them.
 //!
-//! 8-bit images stay 8-bit, with a table of 256 linear values; half floats stay halves. Every level is
-//! half as wide and high as the one before, rounded down; its texels are exact area averages of
+//! 8-bit images stay 8-bit, with a table of 256 linear values; half floats stay halves. Every level
+//! is half as wide and high as the one before, rounded down; its texels are exact area averages of
 //! *linear* values, so that the mean is the same at every level.
 
 use super::curve::Cleaner;
@@ -42,8 +42,8 @@ impl Texel for u8 {
 pub(super) struct Half(u16);
 
 impl Texel for Half {
-    /// Exact for finite halves, without a branch and without denormal floats, which threads that trace
-    /// rays flush to zero. (Infinities were removed by [`Cleaner`].)
+    /// Exact for finite halves, without a branch and without denormal floats, which threads that
+    /// trace rays flush to zero. (Infinities were removed by [`Cleaner`].)
     #[inline(always)]
     fn decode(self, _: &[f32; 256]) -> f32 {
         let bits = u32::from(self.0);
@@ -158,8 +158,8 @@ pub(super) fn half_size(size: Level) -> Level {
     }
 }
 
-/// The texels of a finer row or column that one of a coarser covers: the first, and each one's share.
-/// At most three: the ratio is below 3.
+/// The texels of a finer row or column that one of a coarser covers: the first, and each one's
+/// share. At most three: the ratio is below 3.
 type Cover = (usize, [f32; 3]);
 
 /// What each of `to` texels covers of `from`.

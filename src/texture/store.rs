@@ -1,12 +1,13 @@
 //! All image textures of a scene, under one memory budget.
 //!
-//! Three quarters of the budget are for resident texels, the rest for OpenImageIO's tile cache. A file
-//! that is tiled and mip-mapped on disk (made by `maketx`, a `.tx`) is meant to be read in pieces: it
-//! becomes resident only if it takes less than a sixteenth of the budget. An image that does not fit
-//! is read in pieces through the cache if it is tiled; if not, every piece would cost a pass over the
-//! file, so it is read once and its texels are put on disk and mapped. The three agree at the finest
-//! level; the cache's coarser levels are those of the file, or made by OpenImageIO. Which way an image
-//! goes depends on the order of opening: whoever wants the same bits opens in the same order.
+//! Three quarters of the budget are for resident texels, the rest for OpenImageIO's tile cache. A
+//! file that is tiled and mip-mapped on disk (made by `maketx`, a `.tx`) is meant to be read in
+//! pieces: it becomes resident only if it takes less than a sixteenth of the budget. An image that
+//! does not fit is read in pieces through the cache if it is tiled; if not, every piece would cost
+//! a pass over the file, so it is read once and its texels are put on disk and mapped. The three
+//! agree at the finest level; the cache's coarser levels are those of the file, or made by
+//! OpenImageIO. Which way an image goes depends on the order of opening: whoever wants the same
+//! bits opens in the same order.
 
 use super::bitmap::Bitmap;
 use super::load::Plan;
@@ -66,8 +67,8 @@ impl TextureStore {
         }
     }
 
-    /// The same, keeping colours of 32 bits in 16: half the memory, and three digits are left. Values that
-    /// are no colours, such as heights, keep their bits.
+    /// The same, keeping colours of 32 bits in 16: half the memory, and three digits are left.
+    /// Values that are no colours, such as heights, keep their bits.
     pub fn in_halves(self, halves: bool) -> Self {
         Self { halves, ..self }
     }
@@ -98,8 +99,8 @@ impl TextureStore {
         self.resident.load(Ordering::Relaxed) + self.cached_bytes()
     }
 
-    /// Images that do not fit into the budget and are not tiled, so that their texels were put on disk:
-    /// how many, and their bytes.
+    /// Images that do not fit into the budget and are not tiled, so that their texels were put on
+    /// disk: how many, and their bytes.
     pub fn spilled(&self) -> (usize, usize) {
         (
             self.spilled.load(Ordering::Relaxed),
@@ -118,7 +119,8 @@ impl TextureStore {
         opened.bitmaps.clone()
     }
 
-    /// Number of sets of texels: files, each counted once for every curve or channel it is read with.
+    /// Number of sets of texels: files, each counted once for every curve or channel it is read
+    /// with.
     pub fn file_count(&self) -> usize {
         let opened = self.opened.lock().unwrap_or_else(PoisonError::into_inner);
         opened.texels.len()

@@ -11,8 +11,8 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
-/// Opens an image in the cache. Its mean costs one pass over the file, or over the coarsest of its own
-/// mip levels that still has 4096 texels.
+/// Opens an image in the cache. Its mean costs one pass over the file, or over the coarsest of its
+/// own mip levels that still has 4096 texels.
 pub(super) fn open(
     mut plan: Plan,
     system: Arc<TextureSystem>,

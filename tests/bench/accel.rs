@@ -5,8 +5,8 @@
 //! cargo bench --bench accel -- thin    # the same rays through the trait and through C
 //! ```
 //!
-//! The second compiles `embree_direct.c` with `cc` (Debian: `apt install gcc libembree-dev`) and runs
-//! both sides in turn, pass by pass: the ratio holds on a busy machine, the rates do not.
+//! The second compiles `embree_direct.c` with `cc` (Debian: `apt install gcc libembree-dev`) and
+//! runs both sides in turn, pass by pass: the ratio holds on a busy machine, the rates do not.
 
 use divan::{Bencher, black_box, counter::ItemsCount};
 use std::f32::consts::{PI, TAU};
@@ -81,7 +81,8 @@ fn scene() -> &'static Arc<TriangleMesh> {
     SCENE.get_or_init(mesh)
 }
 
-/// The second bounce of a path tracer on white walls: scattered origins, cosine-distributed directions.
+/// The second bounce of a path tracer on white walls: scattered origins, cosine-distributed
+/// directions.
 fn bounces(tracer: &dyn RayQuery) -> Vec<Ray> {
     let mut rng = Pcg32::new(1, 1);
     let mut rays = Vec::with_capacity(RAYS);

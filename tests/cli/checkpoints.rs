@@ -21,8 +21,8 @@ fn uninterrupted(place: &Place, spp: u32, rest: &str) -> Vec<(String, Vec<u32>)>
     numbers
 }
 
-/// Waits until the file is there, while the render runs. (An empty one is the program trying whether it may
-/// write there.)
+/// Waits until the file is there, while the render runs. (An empty one is the program trying
+/// whether it may write there.)
 fn wait_for(place: &Place, name: &str, child: &mut Child) {
     let start = Instant::now();
     let written = || std::fs::metadata(place.path(name)).is_ok_and(|m| m.len() > 0);
@@ -56,8 +56,8 @@ fn interrupted(place: &Place, spp: u32, rest: &str) -> Ran {
     wait(child)
 }
 
-/// Kills a render again and again until that happened `kills` times, and compares every image that came
-/// out. Checkpoints are written as fast as they go, so that many kills hit one in the making.
+/// Kills a render again and again until that happened `kills` times, and compares every image that
+/// came out. Checkpoints are written as fast as they go, so that many kills hit one in the making.
 fn survives(kills: u32) {
     let place = Place::new();
     let spp = 600;
@@ -238,7 +238,8 @@ fn a_damaged_checkpoint_is_refused_and_stays() {
     assert!(place.read("out.exr.checkpoint") == bytes);
 }
 
-/// The viewer takes the connection and never reads: the render hangs in it after the first interrupt.
+/// The viewer takes the connection and never reads: the render hangs in it after the first
+/// interrupt.
 #[test]
 fn a_second_interrupt_quits_at_once() {
     let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();

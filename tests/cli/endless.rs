@@ -62,7 +62,8 @@ fn ctrl_c_ends_paths_without_an_end() {
     }
 }
 
-/// A lamp right before the camera covers the left half of its view, where rendering begins, and is as good as nothing to the paths of the other half.
+/// A lamp right before the camera covers the left half of its view, where rendering begins, and is
+/// as good as nothing to the paths of the other half.
 const HALF: &str = r#"<shape type="rectangle">
     <transform name="to_world"><scale value="0.001"/><translate x="-0.001" z="0.899"/></transform>
     <bsdf type="diffuse"><rgb name="reflectance" value="0"/></bsdf>
@@ -76,8 +77,8 @@ fn bright_and_black(place: &Place) -> (usize, usize) {
     (count(1.0), count(0.0))
 }
 
-/// What is kept are tiles whose paths have ended, and nothing of a wave in which some had not: the short paths of the
-/// other half meet the lamp, if anything, and would make it too bright.
+/// What is kept are tiles whose paths have ended, and nothing of a wave in which some had not: the
+/// short paths of the other half meet the lamp, if anything, and would make it too bright.
 #[test]
 fn what_has_ended_is_kept_and_nothing_of_the_rest() {
     let scene = ROOM.replace("MORE", HALF);

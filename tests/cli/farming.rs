@@ -78,7 +78,8 @@ fn a_guided_farm_learns_once_and_renders_by_that() {
     assert!(of("out.exr") == of("whole.exr"));
 }
 
-/// YAML that reads back as what was meant is checked by tests/farm/run; here that names stay in place.
+/// YAML that reads back as what was meant is checked by tests/farm/run; here that names stay in
+/// place.
 #[test]
 fn other_formats_name_scene_shards_and_image() {
     let place = Place::new();

@@ -1,5 +1,5 @@
-//! Pictures of small models, each with a fault that users of other renderers met; and input files that
-//! are no files.
+//! Pictures of small models, each with a fault that users of other renderers met; and input files
+//! that are no files.
 
 use super::support::{Place, make_pipe, read_exr, wait};
 use base64::Engine;
@@ -23,8 +23,8 @@ fn image(place: &Place, name: &str, channels: &[&str], pixels: &[f32]) {
 }
 
 /// The mean of the four by four pixels in the middle of a model under a white sky. What is half
-/// transparent differs by 0.5 from it at each of the 16 times 400 samples, so that the mean has a standard
-/// deviation of 0.5 / 80: a third of the tolerance.
+/// transparent differs by 0.5 from it at each of the 16 times 400 samples, so that the mean has a
+/// standard deviation of 0.5 / 80: a third of the tolerance.
 fn middle(place: &Place, model: &str) -> [f32; 3] {
     let look = "--camera from:0,0,5 --look-at 0,0,0 --sky white --width 16 --height 16";
     let words = format!("render {model} {look} --spp 400 --guide none --format float -o out.exr");
@@ -51,7 +51,8 @@ fn materials_of_obj_files_look_as_the_format_says() {
     // Red on the left, green on the right.
     let pixels = [[1.0, 0.0, 0.0].repeat(4), [0.0, 1.0, 0.0].repeat(4)].concat();
     image(&place, "two.exr", &["R", "G", "B"], &pixels);
-    // What a sheet of glass reflects at normal incidence, and what it lets into a medium of index 1.5.
+    // What a sheet of glass reflects at normal incidence, and what it lets into a medium of index
+    // 1.5.
     let through = 0.04 + 0.96 / 2.25;
     let red = "newmtl m\nKd 0.8 0.1 0.1\nKs 0 0 0\n";
     for (name, mtl, expected) in [

@@ -91,7 +91,8 @@ fn words_that_do_not_go_together_are_told() {
 fn a_file_beyond_memory_is_refused_with_numbers() {
     let place = place();
     let file = std::fs::File::create(place.path("big.ply")).unwrap();
-    // A hole of 4 TiB: it takes no room on the disk. Where files cannot be so large, nothing is tested.
+    // A hole of 4 TiB: it takes no room on the disk. Where files cannot be so large, nothing is
+    // tested.
     if file.set_len(1 << 42).is_err() {
         return;
     }

@@ -255,8 +255,8 @@ fn both_ray_tracers_show_the_same_scene() {
             .ok();
         read_exr(&place.path("a.exr")).1
     });
-    // The same random numbers meet the same surfaces: a pixel differs only where a ray passes an edge
-    // within rounding. One in a hundred is allowed to.
+    // The same random numbers meet the same surfaces: a pixel differs only where a ray passes an
+    // edge within rounding. One in a hundred is allowed to.
     let differ = |(a, b): (&[f32; 3], &[f32; 3])| (a[0] - b[0]).abs() > 1e-3 * a[0].abs();
     let count = a.iter().zip(&b).filter(|&pair| differ(pair)).count();
     assert!(

@@ -100,7 +100,8 @@ fn check_says_what_render_says() {
     }
 }
 
-/// So it is with errors: an environment map that cannot be read is found, with its place and the others.
+/// So it is with errors: an environment map that cannot be read is found, with its place and the
+/// others.
 #[test]
 fn check_finds_all_errors_that_render_finds() {
     let inside = r#"
@@ -188,7 +189,8 @@ fn a_spherical_camera_sees_all_around() {
     let place = Place::with(scene);
     place.run("render scene.xml --spp 4 -o a.exr").ok();
     let (width, pixels) = read_exr(&place.path("a.exr"));
-    // Directions are (sin phi sin theta, cos theta, -cos phi sin theta): +x is a quarter along the rows.
+    // Directions are (sin phi sin theta, cos theta, -cos phi sin theta): +x is a quarter along the
+    // rows.
     for (x, y, expected) in [
         (8, 8, 1.0),
         (24, 8, 0.0),

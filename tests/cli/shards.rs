@@ -103,7 +103,8 @@ fn missing_shards_are_named_and_left_black_only_on_request() {
     );
     let mut there = 0;
     for ((name, whole), (_, merged)) in whole.iter().zip(&merged) {
-        // What is told of a pixel's variance rests on its neighbours, too: some of those are missing.
+        // What is told of a pixel's variance rests on its neighbours, too: some of those are
+        // missing.
         let alone = !name.starts_with("variance");
         for (a, b) in whole.iter().zip(merged) {
             let same = a == b || !alone && (*a != 0);

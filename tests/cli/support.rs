@@ -6,7 +6,8 @@ use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-/// A plane, a sphere that glows and a sky: every path is short, every pixel sees light. `$size`, `$spp`.
+/// A plane, a sphere that glows and a sky: every path is short, every pixel sees light. `$size`,
+/// `$spp`.
 pub const SCENE: &str = r#"<scene version="3.0.0">
   <default name="size" value="24"/>
   <default name="spp" value="4"/>

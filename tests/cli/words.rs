@@ -83,7 +83,8 @@ fn a_picture_that_will_be_black_is_warned_about() {
     assert!(!ran.err.contains("warning"), "{ran:#?}");
 }
 
-/// Every shape has a warning of its own. They are printed up to a bound, and all of them only if asked for.
+/// Every shape has a warning of its own. They are printed up to a bound, and all of them only if
+/// asked for.
 #[test]
 fn thousands_of_warnings_are_printed_up_to_a_bound() {
     let shape =

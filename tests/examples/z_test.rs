@@ -6,11 +6,12 @@
 //! cargo run --release --example z_test -- a.exr b.exr
 //! ```
 //!
-//! Each EXR carries the variance of every pixel's mean. With a box filter and different seeds all pixels
-//! are independent, so the difference of two means over a block, divided by the root of its variance, is a
-//! standard normal deviate: 99.9 % of the blocks must lie within 3.29 (99 % are asked for, as a pixel's
-//! variance is itself an estimate), and the mean of the whole image, which has the smallest error of all,
-//! within 4 standard errors. Exit code 0: they agree, 1: they do not, 2: they cannot be compared.
+//! Each EXR carries the variance of every pixel's mean. With a box filter and different seeds all
+//! pixels are independent, so the difference of two means over a block, divided by the root of its
+//! variance, is a standard normal deviate: 99.9 % of the blocks must lie within 3.29 (99 % are
+//! asked for, as a pixel's variance is itself an estimate), and the mean of the whole image, which
+//! has the smallest error of all, within 4 standard errors. Exit code 0: they agree, 1: they do
+//! not, 2: they cannot be compared.
 
 use std::path::Path;
 use std::process::ExitCode;

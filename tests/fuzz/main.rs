@@ -28,8 +28,8 @@ fn corpus(folder: &str) -> Vec<(PathBuf, Vec<u8>)> {
     paths.into_iter().map(read).collect()
 }
 
-/// Tries `rounds` mutations of every file of a folder; some must be accepted, or only the first check of
-/// a reader would have been tested.
+/// Tries `rounds` mutations of every file of a folder; some must be accepted, or only the first
+/// check of a reader would have been tested.
 fn attack(folder: &str, rounds: u64, accepted_at_least: usize, target: impl Fn(Vec<u8>) -> bool) {
     for (stream, (path, seed)) in corpus(folder).into_iter().enumerate() {
         assert!(target(seed.clone()), "{} itself is refused", path.display());

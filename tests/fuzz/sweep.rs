@@ -21,7 +21,8 @@ const VALUES: [&str; 14] = [
     "a b c",
 ];
 
-/// Where the values of a text's attributes stand, those of `value`, `x`, `y`, `z`, `angle`, `origin`, `target`, `up`.
+/// Where the values of a text's attributes stand, those of `value`, `x`, `y`, `z`, `angle`,
+/// `origin`, `target`, `up`.
 fn places(text: &str) -> Vec<(usize, usize)> {
     let mut list = Vec::new();
     for name in [

@@ -30,7 +30,8 @@ impl Observer for Silent {
     }
 }
 
-/// An error must say something, and where. A scene tells up to a hundred of its faults, a line or two each.
+/// An error must say something, and where. A scene tells up to a hundred of its faults, a line or
+/// two each.
 fn worded(error: &dyn std::fmt::Display, place: &str) {
     let text = error.to_string();
     assert!(text.contains(place), "no place: {text}");
@@ -39,8 +40,8 @@ fn worded(error: &dyn std::fmt::Display, place: &str) {
     assert!(text.len() < 1 << 16, "{} bytes of message", text.len());
 }
 
-/// Loads a scene's text and renders a thumbnail of it; leniently, if it is refused otherwise. Whether it is
-/// not.
+/// Loads a scene's text and renders a thumbnail of it; leniently, if it is refused otherwise.
+/// Whether it is not.
 pub fn xml(text: &[u8]) -> bool {
     let directory = tempfile::tempdir().expect("a directory");
     let path = directory.path().join("scene.xml");

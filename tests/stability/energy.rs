@@ -20,7 +20,8 @@ fn to_the_end() -> PathSettings {
     }
 }
 
-/// A body of that material in constant light, without roulette: a lossless path carries its 1 to the end.
+/// A body of that material in constant light, without roulette: a lossless path carries its 1 to
+/// the end.
 fn furnace(material: Material, backend: Backend) -> (f64, f64, Built) {
     let mut maker = SceneMaker::new(Vec3::new(0.0, 0.0, -3.0), Vec3::ZERO, 45.0, 16);
     let body = maker.material(material);
@@ -76,9 +77,9 @@ fn s06_lossless_bodies_vanish() {
     }
 }
 
-/// Mean of `worth` over the normals of GGX facets of roughness `alpha` that are seen at the angle of cosine
-/// `mu` (Heitz 2018, "Sampling the GGX distribution of visible normals"), by a lattice in `f64`. It is given
-/// the direction of view and the normal.
+/// Mean of `worth` over the normals of GGX facets of roughness `alpha` that are seen at the angle
+/// of cosine `mu` (Heitz 2018, "Sampling the GGX distribution of visible normals"), by a lattice in
+/// `f64`. It is given the direction of view and the normal.
 fn over_visible_normals(alpha: f64, mu: f64, worth: impl Fn(DVec3, DVec3) -> f64) -> f64 {
     const N: u32 = 400;
     let wo = DVec3::new((1.0 - mu * mu).sqrt(), 0.0, mu);
@@ -115,8 +116,8 @@ fn mirror_shows(alpha: f64, mu: f64) -> f64 {
     })
 }
 
-/// What an interface of index `eta`, seen from outside, shows of a world that is white on both sides: what
-/// comes through it is spread out by the square of the index.
+/// What an interface of index `eta`, seen from outside, shows of a world that is white on both
+/// sides: what comes through it is spread out by the square of the index.
 fn interface_shows(eta: f64, alpha: f64, mu: f64) -> f64 {
     over_visible_normals(alpha, mu, |wo, m| {
         let o = wo.dot(m);
@@ -196,7 +197,8 @@ fn s06_rough_surfaces_keep_what_single_scattering_keeps() {
     }
 }
 
-/// A ball of rough glass loses by single scattering, and gains nothing however often light crosses it.
+/// A ball of rough glass loses by single scattering, and gains nothing however often light crosses
+/// it.
 #[test]
 fn s06_rough_glass_gains_nothing() {
     let mut table = Table::default();
@@ -215,8 +217,8 @@ fn s06_rough_glass_gains_nothing() {
     }
 }
 
-/// Closed rooms whose radiance is 1 everywhere: glow 1/2 and albedo 1/2; a point light of intensity pi in
-/// the middle of a sphere of albedo 1/2.
+/// Closed rooms whose radiance is 1 everywhere: glow 1/2 and albedo 1/2; a point light of intensity
+/// pi in the middle of a sphere of albedo 1/2.
 fn rooms_of_one(backend: Backend) -> Vec<(&'static str, Built)> {
     let maker = || SceneMaker::new(Vec3::new(0.3, 0.1, 0.1), Vec3::ONE, 70.0, 16);
     let mut cube = maker();
@@ -314,8 +316,8 @@ fn s21_endless_paths_of_a_hundred_thousand_edges() {
     endless(100_000, 4);
 }
 
-/// Walls of albedo 1e-20 that glow with 1: throughputs of 1e-40 and 1e-60 are below the smallest normal
-/// number, and radiance is 1 to the last bit.
+/// Walls of albedo 1e-20 that glow with 1: throughputs of 1e-40 and 1e-60 are below the smallest
+/// normal number, and radiance is 1 to the last bit.
 #[test]
 fn s23_denormals() {
     let mut table = Table::default();

@@ -25,8 +25,8 @@ fn photon(position: Vec3, direction: Vec3) -> Photon {
     }
 }
 
-/// Trains on photons at `place`, and says how deep the octree and how large the trees became over what is allowed, and
-/// at how many of the photons' own places the field holds no light.
+/// Trains on photons at `place`, and says how deep the octree and how large the trees became over
+/// what is allowed, and at how many of the photons' own places the field holds no light.
 fn pressed(
     settings: &Settings,
     most: usize,
@@ -199,8 +199,9 @@ fn share(local: &LocalField, cell: DirectionCell) -> f64 {
     sum / f64::from(N * N) * f64::from(cell.solid_angle())
 }
 
-/// At 50 places, with and without a surface's horizon: the density integrates to 1, nothing is darker than the
-/// defensive share, and what is drawn follows it (chi-square over 64 cells of equal area).
+/// At 50 places, with and without a surface's horizon: the density integrates to 1, nothing is
+/// darker than the defensive share, and what is drawn follows it (chi-square over 64 cells of equal
+/// area).
 #[test]
 fn s17_density() {
     const DRAWN: u32 = 20_000;

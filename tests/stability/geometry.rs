@@ -45,8 +45,8 @@ struct Left {
 }
 
 impl Left {
-    /// `ray` must meet the scene's only surface; `count` rays leave it from there, on the side of its
-    /// normal alone if the surface bends.
+    /// `ray` must meet the scene's only surface; `count` rays leave it from there, on the side of
+    /// its normal alone if the surface bends.
     fn leave(&mut self, scene: &Scene, ray: &Ray, count: u32, bends: bool, rng: &mut Pcg32) {
         let mut hit = [Hit::NONE];
         scene.rays.intersect_batch(&[*ray], &mut hit);
@@ -85,7 +85,8 @@ fn s03_triangles_are_left() {
     }
 }
 
-/// Share of rays that meet the triangle they leave, whose coordinates are from 10^-range to 10^range.
+/// Share of rays that meet the triangle they leave, whose coordinates are from 10^-range to
+/// 10^range.
 fn triangles_met_again(range: f32, backend: Backend) -> f64 {
     let mut rng = Pcg32::new(3, 1);
     let mut left = Left::default();
@@ -265,8 +266,8 @@ fn s04_no_light_leaks() {
     }
 }
 
-/// Share of rays that cross the outer of two spheres and then do not find the inner one, or that cross
-/// the inner one from inside and then do not find the outer one.
+/// Share of rays that cross the outer of two spheres and then do not find the inner one, or that
+/// cross the inner one from inside and then do not find the outer one.
 fn skipped(gap_in_ulp: u32, backend: Backend) -> f64 {
     let outer = 1.0 + gap_in_ulp as f32 * f32::EPSILON;
     let mut maker = SceneMaker::new(Vec3::ZERO, Vec3::Z, 40.0, 1);

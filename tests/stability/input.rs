@@ -135,8 +135,8 @@ fn s09_a_million_triangles_in_one_place() {
     pile(1_000_000);
 }
 
-/// A wall before a sky given by `emitter`, rendered by the program in a directory with `texels` as `sky.exr`:
-/// exit code, messages and the largest number of the image.
+/// A wall before a sky given by `emitter`, rendered by the program in a directory with `texels` as
+/// `sky.exr`: exit code, messages and the largest number of the image.
 fn dark(emitter: &str, texels: &[f32]) -> (Option<i32>, String, f32) {
     let directory = tempfile::tempdir().expect("a directory");
     let at = |name: &str| directory.path().join(name);

@@ -1,4 +1,5 @@
-//! S1, S2, S8, S26: the size of a scene, its distance from the origin and its brightness do not matter.
+//! S1, S2, S8, S26: the size of a scene, its distance from the origin and its brightness do not
+//! matter.
 
 use crate::scenes::*;
 use crate::support::film_mean;
@@ -7,7 +8,8 @@ use twintree::film::Film;
 
 const SCALES: [f64; 4] = [1e-6, 1e-3, 1e3, 1e6];
 
-/// With the same random numbers only rounding tells the scales apart: a few paths of many turn elsewhere.
+/// With the same random numbers only rounding tells the scales apart: a few paths of many turn
+/// elsewhere.
 #[test]
 fn s01_scale() {
     let mut table = Table::default();

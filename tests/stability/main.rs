@@ -1,8 +1,8 @@
 //! The stability suite: the renderer where numbers end.
 //!
-//! Every test takes something to an extreme (size, distance, brightness, depth, degeneracy) and holds
-//! what comes out to a figure. The figures are printed as a table; [the readme](README.md) has the one of
-//! the last release, and says where a limit is not what one would wish for.
+//! Every test takes something to an extreme (size, distance, brightness, depth, degeneracy) and
+//! holds what comes out to a figure. The figures are printed as a table; [the readme](README.md)
+//! has the one of the last release, and says where a limit is not what one would wish for.
 //!
 //! ```text
 //! cargo test --release --test stability -- --nocapture --include-ignored --test-threads 1
@@ -19,8 +19,9 @@
 //! | S14, S16, S17, S18 | the field: depth, partition, density, hostile contents | `field.rs` |
 //! | S24, S25 | seeds, sample numbers beyond 2^32 | `streams.rs` |
 //!
-//! S22 (renders that are killed, go on, or are divided between machines have the same bits) is held by
-//! `tests/cli/checkpoints.rs` and `tests/cli/shards.rs`, and by `poison.rs` for threads that die.
+//! S22 (renders that are killed, go on, or are divided between machines have the same bits) is held
+//! by `tests/cli/checkpoints.rs` and `tests/cli/shards.rs`, and by `poison.rs` for threads that
+//! die.
 
 #[path = "../support/mod.rs"]
 mod support;

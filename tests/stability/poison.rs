@@ -1,4 +1,5 @@
-//! A thread that dies in the middle of a render: the render ends, and nothing that it held is spoiled.
+//! A thread that dies in the middle of a render: the render ends, and nothing that it held is
+//! spoiled.
 
 use crate::scenes::{backends, differing_pixels, room, seed};
 use crate::table::Table;
@@ -24,8 +25,8 @@ impl Observer for Bomb {
     }
 }
 
-/// The film of a render that panicked holds whole tiles alone: it goes on to the bits of a render that was
-/// left in peace, with the same scene and on the same threads.
+/// The film of a render that panicked holds whole tiles alone: it goes on to the bits of a render
+/// that was left in peace, with the same scene and on the same threads.
 #[test]
 fn a_thread_that_dies_spoils_nothing() {
     let limits = |spp| Limits {

@@ -24,8 +24,9 @@ pub fn backends() -> Vec<(&'static str, Backend)> {
     list
 }
 
-/// A closed room with a lamp that shines at the ceiling, a glass ball and one of rough metal, `scale`
-/// times as large as its numbers, moved by `offset` times (1, -1, 1). All numbers are short in binary.
+/// A closed room with a lamp that shines at the ceiling, a glass ball and one of rough metal,
+/// `scale` times as large as its numbers, moved by `offset` times (1, -1, 1). All numbers are short
+/// in binary.
 pub fn room_file(scale: f64, offset: f64) -> String {
     let at = |x: f64, y: f64, z: f64| {
         let (x, y, z) = (x * scale, y * scale, z * scale);
@@ -116,7 +117,8 @@ pub fn silver(reflectance: f32) -> Material {
     }
 }
 
-/// The settings of these tests: paths of at most 12 edges, that seed; guided ones share what they find.
+/// The settings of these tests: paths of at most 12 edges, that seed; guided ones share what they
+/// find.
 pub fn seed(seed: u64) -> PathSettings {
     PathSettings {
         max_depth: 12,

@@ -266,13 +266,15 @@ impl Built {
         }
     }
 
-    /// Mean of the image over all pixels and channels, with its standard error from the pixels' own variances.
+    /// Mean of the image over all pixels and channels, with its standard error from the pixels' own
+    /// variances.
     pub fn mean(&self, settings: &PathSettings, spp: u64) -> (f64, f64) {
         film_mean(&self.render(settings, spp).0)
     }
 }
 
-/// Mean of a grey film over all pixels and channels, with its standard error from the pixels' own variances.
+/// Mean of a grey film over all pixels and channels, with its standard error from the pixels' own
+/// variances.
 pub fn film_mean(film: &Film) -> (f64, f64) {
     let mut sum = 0.0;
     let mut variance = 0.0;

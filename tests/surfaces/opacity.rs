@@ -65,8 +65,8 @@ fn masked_glass_is_glass_blended_with_nothing() {
     }
 }
 
-/// Opacity is no matter of what a lamp emits: rays that meet a half-there lamp and samples of its light
-/// bring the same together as those of a whole one.
+/// Opacity is no matter of what a lamp emits: rays that meet a half-there lamp and samples of its
+/// light bring the same together as those of a whole one.
 #[test]
 fn a_masked_lamp_lights_as_a_whole_one_does() {
     let mean = |opacity: Option<f32>| {

@@ -78,7 +78,8 @@ fn expect(what: &str, scene: &Scene, (from, to): (Vec3, Vec3), side: Seen, both_
     assert_eq!(bright.count() > 0, glows, "{what}: light samples");
 }
 
-/// Photons leave to the front; to both sides alike if both glow. `front` points to its side of a place.
+/// Photons leave to the front; to both sides alike if both glow. `front` points to its side of a
+/// place.
 fn expect_photons(what: &str, scene: &Scene, front: &dyn Fn(Vec3) -> Vec3, both_glow: bool) {
     let mut rng = Pcg32::new(9, 1);
     let (mut ahead, count) = (0, 400);
@@ -228,8 +229,8 @@ fn lamp_in_a_box(dir: &Path) -> Description {
     load(dir, &text)
 }
 
-/// Photons teach a field of the same light that paths find, from a lamp whose front its normals tell and
-/// from one that glows on both sides.
+/// Photons teach a field of the same light that paths find, from a lamp whose front its normals
+/// tell and from one that glows on both sides.
 #[test]
 fn photons_leave_the_sides_that_shine() {
     let dir = tempfile::tempdir().unwrap();

@@ -64,8 +64,8 @@ fn wall(size: u32, make: Make) -> Built {
     maker.build(Backend::default())
 }
 
-/// What enters the light in another way than linearly is not averaged over a pixel: the mean over an
-/// image does not depend on how many pixels it has.
+/// What enters the light in another way than linearly is not averaged over a pixel: the mean over
+/// an image does not depend on how many pixels it has.
 #[test]
 fn walls_are_as_bright_in_few_pixels_as_in_many() {
     let dir = tempfile::tempdir().unwrap();

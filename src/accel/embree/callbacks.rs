@@ -1,7 +1,7 @@
 //! What Embree calls back for: bounds and intersections of exact shapes, and masked triangles.
 //!
-//! Packets arrive as structures of arrays whose length `N` is known at run time only. Field `f` of lane
-//! `i` is the 32-bit word `f * N + i`, as the inline functions of `rtcore_ray.h` have it.
+//! Packets arrive as structures of arrays whose length `N` is known at run time only. Field `f` of
+//! lane `i` is the 32-bit word `f * N + i`, as the inline functions of `rtcore_ray.h` have it.
 
 use super::numbers::Numbers;
 use super::sys::*;
@@ -156,7 +156,8 @@ pub unsafe extern "C" fn intersect(args: *const RTCIntersectFunctionNArguments) 
         }
         let base = args.rayhit.cast::<f32>();
         let ray = Lane { base, width, lane };
-        // SAFETY: the lane is valid and the context that of the query; a packet's hits follow its rays.
+        // SAFETY: the lane is valid and the context that of the query; a packet's hits follow its
+        // rays.
         unsafe {
             let Some((t, u, v)) = meet(data, ray, args.context) else {
                 continue;
@@ -215,8 +216,8 @@ pub unsafe extern "C" fn filter(args: *const RTCFilterFunctionNArguments) {
         }
         let (ray, hit) = (args.ray.cast::<f32>(), args.hit.cast::<f32>());
         let [ray, hit] = [ray, hit].map(|base| Lane { base, width, lane });
-        // SAFETY: the lane is valid and the context that of the query. During filtering `tfar` holds
-        // the distance of the candidate.
+        // SAFETY: the lane is valid and the context that of the query. During filtering `tfar`
+        // holds the distance of the candidate.
         let (original, hit) = unsafe {
             (
                 QueryContext::ray(args.context, ray.word(ID)),

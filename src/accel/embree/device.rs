@@ -1,4 +1,5 @@
-//! An Embree device and its scenes as Rust values: released when dropped, errors as words, bytes counted.
+//! An Embree device and its scenes as Rust values: released when dropped, errors as words, bytes
+//! counted.
 
 use super::sys::*;
 use crate::accel::{AccelError, BuildQuality, BuildSettings};
@@ -196,8 +197,9 @@ unsafe extern "C" fn on_error(user: *mut c_void, code: RTCError, text: *const c_
     lock(&reports.first_error).get_or_insert((code, words));
 }
 
-/// Counts what is allocated and freed, and refuses what is beyond the limit: Embree then ends the build
-/// with an error. Without a limit the system would first promise the memory and later end the program.
+/// Counts what is allocated and freed, and refuses what is beyond the limit: Embree then ends the
+/// build with an error. Without a limit the system would first promise the memory and later end the
+/// program.
 unsafe extern "C" fn on_memory(user: *mut c_void, bytes: isize, _post: bool) -> bool {
     // SAFETY: `user` is the boxed `Reports` set in `Device::new`.
     let reports = unsafe { &*user.cast::<Reports>() };

@@ -9,13 +9,14 @@
 //! | `packet`, `single` | rays by sixteens, and one by one |
 //! | `thread` | what Embree wants of a thread that traces |
 //!
-//! Batches go by sixteens with the flag for incoherent rays. On rays that have nothing in common packets
-//! of 1, 4, 8 and 16 are alike, on a wavefront's bounces sixteens were 1.2 times as fast as single rays;
-//! the coherent flag costs a third to a half on bounced rays (`cargo bench --bench accel -- thin`).
+//! Batches go by sixteens with the flag for incoherent rays. On rays that have nothing in common
+//! packets of 1, 4, 8 and 16 are alike, on a wavefront's bounces sixteens were 1.2 times as fast as
+//! single rays; the coherent flag costs a third to a half on bounced rays (`cargo bench --bench
+//! accel -- thin`).
 //!
-//! A ray gets the same bits in every packet, on every lane and alone. Embree does not promise that, but
-//! its kernels from SSE2 to AVX-512 keep it, because all of them do the same arithmetic for one ray and
-//! one triangle; `tests/cuts.rs` watches over it.
+//! A ray gets the same bits in every packet, on every lane and alone. Embree does not promise that,
+//! but its kernels from SSE2 to AVX-512 keep it, because all of them do the same arithmetic for one
+//! ray and one triangle; `tests/cuts.rs` watches over it.
 //!
 //! Embree is not watertight at vertices, robust or not: see `tests/watertight.rs`.
 
@@ -114,7 +115,8 @@ impl RayQuery for Embree {
             packet::load(rays, self.overflow, &mut packet.ray, &mut valid);
             packet.hit.geomID = [INVALID_ID; packet::WIDTH];
             context.set_rays(rays);
-            // SAFETY: the scene is committed, the packet initialised, and the context names its rays.
+            // SAFETY: the scene is committed, the packet initialised, and the context names its
+            // rays.
             unsafe { intersect16(scene, &mut context, &valid, &mut packet) };
             packet::store(&packet, &self.scenes.numbers, hits);
         }
@@ -131,7 +133,8 @@ impl RayQuery for Embree {
         {
             packet::load(rays, self.overflow, &mut packet, &mut valid);
             context.set_rays(rays);
-            // SAFETY: the scene is committed, the packet initialised, and the context names its rays.
+            // SAFETY: the scene is committed, the packet initialised, and the context names its
+            // rays.
             unsafe { occluded16(scene, &mut context, &valid, &mut packet) };
             for (lane, blocked) in blocked.iter_mut().enumerate() {
                 *blocked = valid.0[lane] != 0 && packet.tfar[lane] == f32::NEG_INFINITY;

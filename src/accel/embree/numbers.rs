@@ -1,8 +1,8 @@
 //! How geometries and instances are numbered in Embree's scenes.
 //!
-//! In the world's scene the geometry `i` has Embree's number `i`, and instance `k` has `n + k`, n being
-//! the count of geometries. In a group's scene geometry `j` has number `j`. [`Numbers`] turns Embree's
-//! numbers back into the caller's.
+//! In the world's scene the geometry `i` has Embree's number `i`, and instance `k` has `n + k`, n
+//! being the count of geometries. In a group's scene geometry `j` has number `j`. [`Numbers`] turns
+//! Embree's numbers back into the caller's.
 
 use super::sys::INVALID_ID;
 use crate::accel::{AccelError, Hit, NO_INSTANCE, World};

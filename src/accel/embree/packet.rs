@@ -44,11 +44,12 @@ pub fn new_hits() -> RTCHit16 {
     }
 }
 
-/// Stands in for a ray that cannot be traced, and on the lanes behind the last ray: its range is empty.
+/// Stands in for a ray that cannot be traced, and on the lanes behind the last ray: its range is
+/// empty.
 ///
-/// Switching a lane off is not enough. Where a processor has no 16-wide registers, Embree 3 splits the
-/// packet without a look at the switches and leaves out only rays with an empty range; and Debian's
-/// library aborts the program when it meets a ray that is not finite.
+/// Switching a lane off is not enough. Where a processor has no 16-wide registers, Embree 3 splits
+/// the packet without a look at the switches and leaves out only rays with an empty range; and
+/// Debian's library aborts the program when it meets a ray that is not finite.
 const NOTHING: Ray = Ray {
     org: Vec3::ZERO,
     tmin: 1.0,

@@ -1,4 +1,5 @@
-//! Embree's C API as bindgen read it, and the few calls whose signatures differ between Embree 3 and 4.
+//! Embree's C API as bindgen read it, and the few calls whose signatures differ between Embree 3
+//! and 4.
 
 use crate::accel::Ray;
 

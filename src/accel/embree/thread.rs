@@ -1,8 +1,8 @@
 //! What Embree wants of every thread that traces.
 
 /// Makes the calling thread flush denormal results to zero and read denormal operands as zero, as
-/// Embree's manual asks: denormals cost a hundred cycles each, and Embree's own threads do the same,
-/// so that all threads compute the same bits. For a thread pool's start handler.
+/// Embree's manual asks: denormals cost a hundred cycles each, and Embree's own threads do the
+/// same, so that all threads compute the same bits. For a thread pool's start handler.
 ///
 /// Does nothing where the processor is not an x86-64.
 pub fn prepare_thread() {

@@ -1,5 +1,5 @@
-//! Rays through a tree in pure Rust, built by the crate obvhs: the second answer to every question that
-//! Embree answers, and the only one where Embree is not installed.
+//! Rays through a tree in pure Rust, built by the crate obvhs: the second answer to every question
+//! that Embree answers, and the only one where Embree is not installed.
 //!
 //! | file | idea |
 //! |---|---|

@@ -124,8 +124,8 @@ impl Plan {
     /// Leaves one box where many are the same, and returns the items behind it.
     ///
     /// The builder joins the neighbours whose common box is smallest. Among equal boxes all of them
-    /// choose the neighbour on the same side and one pair is joined per pass: ten thousand triangles
-    /// in one place would take seconds, a million for ever.
+    /// choose the neighbour on the same side and one pair is joined per pass: ten thousand
+    /// triangles in one place would take seconds, a million for ever.
     fn bundle(&mut self) -> Vec<Item> {
         let mut order: Vec<(u64, u32)> = self.boxes.iter().map(hash_of).zip(0..).collect();
         order.sort_unstable();

@@ -1,4 +1,5 @@
-//! One tree over everything that stands in one space: triangles of all meshes, exact shapes, instances.
+//! One tree over everything that stands in one space: triangles of all meshes, exact shapes,
+//! instances.
 
 use super::item::Item;
 use super::plan::{Built, Plan, params};
@@ -22,8 +23,8 @@ pub struct Tree {
     bvh: CwBvh,
     items: Vec<Item>,
     bundled: Vec<Item>,
-    /// The corners of each leaf's triangle, beside each other; NaN where the leaf is something else.
-    /// Empty for compact trees, which look them up in the mesh.
+    /// The corners of each leaf's triangle, beside each other; NaN where the leaf is something
+    /// else. Empty for compact trees, which look them up in the mesh.
     corners: Vec<[Vec3; 3]>,
     /// Geometries that [`Item`]s point to.
     pub parts: Vec<Part>,

@@ -1,15 +1,16 @@
 //! Walks obvhs's compressed eight-wide tree (Ylitie, Karras and Laine, HPG 2017), conservatively.
 //!
 //! The crate's own walk forgets boxes nearer than 1e-4 and boxes that rounding puts just beside the
-//! ray. Here each slab is widened by the rounding error of its own computation, so a triangle that the
-//! leaf test would find is never lost above it.
+//! ray. Here each slab is widened by the rounding error of its own computation, so a triangle that
+//! the leaf test would find is never lost above it.
 
 use crate::math::{Vec3, Vec3A};
 use obvhs::cwbvh::{CwBvh, node::CwBvhNode};
 use smallvec::SmallVec;
 
-/// Components of a direction below this share of its largest count as this share: the reciprocal stays
-/// finite, and so does its product with a coordinate. It bends the ray by less than `f32` rounds.
+/// Components of a direction below this share of its largest count as this share: the reciprocal
+/// stays finite, and so does its product with a coordinate. It bends the ray by less than `f32`
+/// rounds.
 const SMALLEST: f32 = 1e-12;
 
 /// Subtraction, scaling and sum round four times, each by half an epsilon; twice that for safety.
@@ -106,8 +107,8 @@ pub enum Next {
     Stop,
 }
 
-/// A group of siblings still to be visited: where they begin, and which (upper 8 bits) among all inner
-/// children (lower 8 bits).
+/// A group of siblings still to be visited: where they begin, and which (upper 8 bits) among all
+/// inner children (lower 8 bits).
 #[derive(Clone, Copy)]
 struct Siblings {
     base: u32,

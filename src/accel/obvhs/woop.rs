@@ -1,9 +1,9 @@
 //! The watertight ray-triangle test of Woop, Benthin and Wald (JCGT 2013).
 //!
-//! Vertices are moved to the ray's origin and sheared so that the ray runs along +z. What is left is a
-//! point in triangle test in 2D: three edge functions, each computed from the same two rounded vertices
-//! by both triangles that share the edge, so no ray slips between them. An edge function of exactly 0 is
-//! computed again in `f64`, where the products of `f32` are exact.
+//! Vertices are moved to the ray's origin and sheared so that the ray runs along +z. What is left
+//! is a point in triangle test in 2D: three edge functions, each computed from the same two rounded
+//! vertices by both triangles that share the edge, so no ray slips between them. An edge function
+//! of exactly 0 is computed again in `f64`, where the products of `f32` are exact.
 
 use crate::math::offset::gamma;
 use crate::math::{Vec3, Vec3A};
@@ -81,10 +81,10 @@ impl ShearedRay {
     }
 }
 
-/// Bound of the rounding error of `t`, times the determinant: for vertices of at most that size on each
-/// axis and edge functions of at most `edge`. ("Physically Based Rendering", 4th ed., 6.8.7.) A ray whose
-/// origin was moved off a long, thin triangle would meet it again without this. Guarded by the stability
-/// suite's `s03_triangles_are_left`.
+/// Bound of the rounding error of `t`, times the determinant: for vertices of at most that size on
+/// each axis and edge functions of at most `edge`. ("Physically Based Rendering", 4th ed., 6.8.7.)
+/// A ray whose origin was moved off a long, thin triangle would meet it again without this. Guarded
+/// by the stability suite's `s03_triangles_are_left`.
 #[inline]
 fn distance_error([x, y, z]: [f32; 3], edge: f32) -> f32 {
     let (dx, dy, dz) = (gamma(5) * (x + z), gamma(5) * (y + z), gamma(3) * z);

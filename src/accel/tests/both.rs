@@ -1,9 +1,9 @@
 //! Embree and obvhs along the same ten million rays.
 //!
-//! Where their answers differ, brute force in `f64` judges both. A tie is a ray for which both are right
-//! within rounding: it meets an edge that two triangles share, two surfaces in one place, or the surface
-//! that it starts on. Ties are counted and have to be as rare as the mesh says; an answer that is wrong
-//! once in ten million rays fails.
+//! Where their answers differ, brute force in `f64` judges both. A tie is a ray for which both are
+//! right within rounding: it meets an edge that two triangles share, two surfaces in one place, or
+//! the surface that it starts on. Ties are counted and have to be as rare as the mesh says; an
+//! answer that is wrong once in ten million rays fails.
 
 use super::brute::crossings;
 use super::closest::agree;
@@ -42,8 +42,8 @@ fn unit(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> World {
 struct Rounding {
     /// Of distances, and of barycentric coordinates at an edge.
     tolerance: f64,
-    /// Distance from a ray's start within which obvhs's triangle test takes a crossing for rounding alone:
-    /// the longer a triangle for its width, the larger (`distance_error` in `woop.rs`).
+    /// Distance from a ray's start within which obvhs's triangle test takes a crossing for rounding
+    /// alone: the longer a triangle for its width, the larger (`distance_error` in `woop.rs`).
     start: f64,
 }
 
@@ -59,7 +59,8 @@ const THIN: Rounding = Rounding {
     start: 1e-2,
 };
 
-/// How many of `count` rays the two answer differently, all of them ties, and how many meet something.
+/// How many of `count` rays the two answer differently, all of them ties, and how many meet
+/// something.
 fn ties(world: &World, count: usize, rounding: Rounding) -> (usize, usize) {
     let [embree, obvhs] = &backends(world, robust(), None)[..] else {
         panic!("two ray tracers are compared");

@@ -5,7 +5,8 @@ use crate::math::{DAffine3, DVec3};
 
 /// Candidates of one ray: (distance, geometry id, prim, instance, smallest barycentric coordinate).
 ///
-/// A test that compares with a backend forgives a candidate whose `margin` is within rounding of an edge.
+/// A test that compares with a backend forgives a candidate whose `margin` is within rounding of an
+/// edge.
 #[derive(Clone, Copy, Debug)]
 pub struct Candidate {
     pub t: f64,
@@ -19,8 +20,8 @@ pub struct Candidate {
     pub slope: f64,
 }
 
-/// Everything `ray` crosses between its bounds, nearest first. `slack` widens each triangle by so much
-/// in barycentric coordinates.
+/// Everything `ray` crosses between its bounds, nearest first. `slack` widens each triangle by so
+/// much in barycentric coordinates.
 pub fn crossings(world: &World, ray: &Ray, slack: f64) -> Vec<Candidate> {
     let mut found = Vec::new();
     let mut add = |geometry: &Geometry, ray: &Ray64, instance: u32| {

@@ -5,8 +5,8 @@ use super::worlds::*;
 use crate::accel::*;
 use crate::math::{Pcg32, Vec3};
 
-/// Compares a hit with brute force. Rounding may decide otherwise only where the ray meets an edge, or
-/// where two crossings are closer together than `tolerance`.
+/// Compares a hit with brute force. Rounding may decide otherwise only where the ray meets an edge,
+/// or where two crossings are closer together than `tolerance`.
 pub fn agree(hit: &Hit, found: &[Candidate], tolerance: f64) -> Result<(), String> {
     let clear = |c: &&Candidate| c.margin > tolerance;
     if !hit.is_some() {

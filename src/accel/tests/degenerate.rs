@@ -155,7 +155,8 @@ fn instances_that_cannot_stand_are_errors() {
     );
 }
 
-/// Embree is told how much memory its trees may take, and ends the build in words when that is not enough.
+/// Embree is told how much memory its trees may take, and ends the build in words when that is not
+/// enough.
 #[cfg(feature = "embree")]
 #[test]
 fn a_tree_beyond_its_memory_is_an_error() {

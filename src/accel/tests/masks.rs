@@ -122,8 +122,8 @@ fn layers_decide_for_themselves() {
     share_stops(&world, &rain(100_000), &opacity, 0.75);
 }
 
-/// Both walls of a round shape decide: half of the light is left by each of them, and a ray from within
-/// meets one.
+/// Both walls of a round shape decide: half of the light is left by each of them, and a ray from
+/// within meets one.
 #[test]
 fn both_walls_of_round_shapes_decide() {
     let wide = Affine3A::from_translation(Vec3::new(0.0, 0.0, -1.5))

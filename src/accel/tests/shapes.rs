@@ -28,8 +28,8 @@ fn surface(kind: ExactKind, u: f32, v: f32) -> Vec3 {
     }
 }
 
-/// Whether a ray in direction `dir` touches rather than crosses at the unit shape's point `p`: there
-/// the rounding of the target to `f32` decides whether it is met.
+/// Whether a ray in direction `dir` touches rather than crosses at the unit shape's point `p`:
+/// there the rounding of the target to `f32` decides whether it is met.
 fn grazing(shape: &ExactShape, p: Vec3, dir: Vec3) -> bool {
     let normal = match shape.kind {
         ExactKind::Sphere => p,

@@ -1,9 +1,9 @@
 //! No ray leaves a closed mesh: not anywhere, not through its edges, and not through its vertices.
 //!
-//! Embree fails at vertices, also with its flag for robustness: its edge tests agree along an edge, but
-//! where three or more meet, all of them may round to "just beside" (Embree's issues 181 and 381). About
-//! one in a hundred rays aimed exactly at a vertex slips through; the tests hold it to that. The
-//! tracer in pure Rust loses none.
+//! Embree fails at vertices, also with its flag for robustness: its edge tests agree along an edge,
+//! but where three or more meet, all of them may round to "just beside" (Embree's issues 181 and
+//! 381). About one in a hundred rays aimed exactly at a vertex slips through; the tests hold it to
+//! that. The tracer in pure Rust loses none.
 
 use super::worlds::*;
 use crate::accel::*;

@@ -94,8 +94,8 @@ impl Lobe for DiffuseTransmitter {
     }
 }
 
-/// Rough diffuse reflection (Oren and Nayar 1994), with the constants and the choice of Mitsuba 0.6:
-/// the full model with one interreflection, or the paper's qualitative model.
+/// Rough diffuse reflection (Oren and Nayar 1994), with the constants and the choice of Mitsuba
+/// 0.6: the full model with one interreflection, or the paper's qualitative model.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::bsdf) struct RoughDiffuse {
     pub reflectance: Rgb,
@@ -105,7 +105,8 @@ pub(in crate::bsdf) struct RoughDiffuse {
 }
 
 impl RoughDiffuse {
-    /// `alpha` is a Beckmann-style root mean square slope; Mitsuba takes `alpha / sqrt(2)` for sigma.
+    /// `alpha` is a Beckmann-style root mean square slope; Mitsuba takes `alpha / sqrt(2)` for
+    /// sigma.
     pub fn new(reflectance: Rgb, alpha: f32, fast_approx: bool) -> Self {
         let sigma = alpha.max(0.0) * FRAC_1_SQRT_2;
         Self {

@@ -1,10 +1,10 @@
-//! The metallic-roughness model of glTF 2.0 (its specification's appendix B): a metal, a diffuse base
-//! under rough dielectric facets, or as much of each as the file says.
+//! The metallic-roughness model of glTF 2.0 (its specification's appendix B): a metal, a diffuse
+//! base under rough dielectric facets, or as much of each as the file says.
 //!
-//! Facets are GGX with height-correlated masking (Heitz 2014). The specification leaves open how the base
-//! gives way to the facets. Here it keeps what they reflect, seen from both directions (Kelemen and
-//! Szirmay-Kalos 2001): a factor `(1 - E(wo)) (1 - E(wi)) / (1 - E_mean)` with the facets' albedo E. It is
-//! reciprocal, and a white base returns all light.
+//! Facets are GGX with height-correlated masking (Heitz 2014). The specification leaves open how
+//! the base gives way to the facets. Here it keeps what they reflect, seen from both directions
+//! (Kelemen and Szirmay-Kalos 2001): a factor `(1 - E(wo)) (1 - E(wi)) / (1 - E_mean)` with the
+//! facets' albedo E. It is reciprocal, and a white base returns all light.
 
 use super::principled::{facets, schlick_weight};
 use super::{GLOSSY_REFLECTION, Lobe, cosine_pdf, mean, sample_over_diffuse, share};

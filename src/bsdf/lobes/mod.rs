@@ -52,7 +52,8 @@ pub(super) trait Lobe {
     fn roughness(&self) -> Option<f32>;
 }
 
-/// A sample of a smooth lobe whose weight is its value over its density, or nothing where either is 0.
+/// A sample of a smooth lobe whose weight is its value over its density, or nothing where either is
+/// 0.
 #[inline]
 pub(super) fn smooth_sample(
     wi: Vec3,

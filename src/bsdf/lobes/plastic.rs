@@ -21,8 +21,8 @@ pub(in crate::bsdf) struct Plastic {
 
 /// The base's colour with interreflection under a coat that lets the fraction `leaving` of diffuse
 /// light out: `d / (1 - d (1 - leaving))` if the shift of colour is wanted (`nonlinear`), else the
-/// base's own colour scaled as if it were white. What returns more light than it gets has no limit, and
-/// counts as white between the bounces.
+/// base's own colour scaled as if it were white. What returns more light than it gets has no limit,
+/// and counts as white between the bounces.
 #[inline]
 pub(in crate::bsdf) fn interreflected(diffuse: Rgb, leaving: f32, nonlinear: bool) -> Rgb {
     if nonlinear {

@@ -1,6 +1,6 @@
-//! Mitsuba 3's `principled` (after Burley, "Physically Based Shading at Disney", 2012, and "Extending
-//! the Disney BRDF to a BSDF with Integrated Subsurface Scattering", 2015): a rough dielectric or
-//! metallic lobe, a diffuse lobe with retro-reflection and sheen, and a clear coat.
+//! Mitsuba 3's `principled` (after Burley, "Physically Based Shading at Disney", 2012, and
+//! "Extending the Disney BRDF to a BSDF with Integrated Subsurface Scattering", 2015): a rough
+//! dielectric or metallic lobe, a diffuse lobe with retro-reflection and sheen, and a clear coat.
 
 use super::{
     GLOSSY_REFLECTION, GLOSSY_TRANSMISSION, Lobe, cosine_pdf, sample_cosine, smooth_sample,

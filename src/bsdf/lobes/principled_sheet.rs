@@ -1,5 +1,5 @@
-//! Mitsuba 3's `principledthin`: the principled model for sheets without thickness (Burley 2015). Both
-//! sides look alike, and what is transmitted is not bent but blurred.
+//! Mitsuba 3's `principledthin`: the principled model for sheets without thickness (Burley 2015).
+//! Both sides look alike, and what is transmitted is not bent but blurred.
 
 use super::principled::{Base, facets, schlick, schlick_r0, tint};
 use super::{
@@ -60,8 +60,9 @@ impl PrincipledSheet {
         }
     }
 
-    /// Probabilities of specular reflection and transmission (alike), and of diffuse reflection; the
-    /// rest is diffuse transmission. They sum to 1 because all of Mitsuba's sampling rates are 1.
+    /// Probabilities of specular reflection and transmission (alike), and of diffuse reflection;
+    /// the rest is diffuse transmission. They sum to 1 because all of Mitsuba's sampling rates are
+    /// 1.
     fn odds(&self) -> (f32, f32) {
         let diffuse = 1.0 - self.spec_trans;
         (0.5 * self.spec_trans, diffuse * (1.0 - self.diff_trans))

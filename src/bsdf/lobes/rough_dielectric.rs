@@ -1,5 +1,5 @@
-//! A rough interface between two dielectrics (Walter et al., "Microfacet Models for Refraction through
-//! Rough Surfaces", 2007), sampled by visible normals.
+//! A rough interface between two dielectrics (Walter et al., "Microfacet Models for Refraction
+//! through Rough Surfaces", 2007), sampled by visible normals.
 
 use super::{GLOSSY_REFLECTION, GLOSSY_TRANSMISSION, Lobe, weighted};
 use crate::bsdf::fresnel::{dielectric, reflect, refract};
@@ -7,9 +7,9 @@ use crate::bsdf::microfacet::Microfacet;
 use crate::bsdf::{BsdfSample, LobeFlags, Transport};
 use crate::math::{Rgb, Vec2, Vec3};
 
-/// Below this distance of eta from 1 the half vector of refraction, `wo + eta wi`, is lost in rounding
-/// while the refracted light deviates by less than a thousandth of the roughness: such an interface
-/// is resolved to a smooth one. Guarded by the test of extreme indices.
+/// Below this distance of eta from 1 the half vector of refraction, `wo + eta wi`, is lost in
+/// rounding while the refracted light deviates by less than a thousandth of the roughness: such an
+/// interface is resolved to a smooth one. Guarded by the test of extreme indices.
 pub(in crate::bsdf) const MIN_CONTRAST: f32 = 1e-3;
 
 /// A rough dielectric interface.

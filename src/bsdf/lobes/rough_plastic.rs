@@ -32,8 +32,8 @@ enum Part {
     Base,
 }
 
-/// Neither part is chosen less often: the coat is dim, but may mirror a bright lamp. (Relative variance times time
-/// of a kitchen for 0.25 and 0.02: 47.4, 49.9.)
+/// Neither part is chosen less often: the coat is dim, but may mirror a bright lamp. (Relative
+/// variance times time of a kitchen for 0.25 and 0.02: 47.4, 49.9.)
 const LEAST_CHANCE: f32 = 0.25;
 
 impl RoughPlastic {
@@ -72,8 +72,8 @@ impl RoughPlastic {
         (t, p)
     }
 
-    /// Leaves one of its parts away, by a uniform `u`, as seen at this cosine. What is left is to be multiplied by
-    /// the factor returned.
+    /// Leaves one of its parts away, by a uniform `u`, as seen at this cosine. What is left is to
+    /// be multiplied by the factor returned.
     #[inline]
     pub fn choose_part(&mut self, cos: f32, u: f32) -> f32 {
         let (_, p) = self.choice(Vec3::new(0.0, 0.0, cos));
@@ -86,8 +86,8 @@ impl RoughPlastic {
         1.0 / (1.0 - p)
     }
 
-    /// What its radiance is in proportion to, whatever falls on it: the transmittance towards the eye. None with its
-    /// coat.
+    /// What its radiance is in proportion to, whatever falls on it: the transmittance towards the
+    /// eye. None with its coat.
     #[inline]
     pub fn view(&self) -> Option<&'static RoughTransmittance> {
         (self.part == Part::Base).then_some(self.table)

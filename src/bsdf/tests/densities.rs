@@ -36,8 +36,8 @@ fn cell(w: Vec3) -> usize {
     z.min(ROWS - 1) * COLUMNS + column.min(COLUMNS - 1)
 }
 
-/// Integral of `f` over a rectangle by Gauss's rule with 3 x 3 points, split while the quarters disagree
-/// with the whole.
+/// Integral of `f` over a rectangle by Gauss's rule with 3 x 3 points, split while the quarters
+/// disagree with the whole.
 fn integrate(
     f: &impl Fn(f64, f64) -> f64,
     [x, y]: [(f64, f64); 2],

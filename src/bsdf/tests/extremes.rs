@@ -1,5 +1,5 @@
-//! Numbers at the ends of their ranges: random numbers, angles, indices, roughnesses and colours. Every
-//! result is finite and not negative.
+//! Numbers at the ends of their ranges: random numbers, angles, indices, roughnesses and colours.
+//! Every result is finite and not negative.
 
 use super::models::{DELTA, SMOOTH, beckmann, clear, facets, ggx, glass, gold, grey, plastic};
 use super::{of_material, resolved};
@@ -132,8 +132,8 @@ fn extreme_parameters_are_finite() {
     }
 }
 
-/// Extreme indices under extreme colours: nothing is infinite, and the base never returns more than it
-/// would without its coat.
+/// Extreme indices under extreme colours: nothing is infinite, and the base never returns more than
+/// it would without its coat.
 #[test]
 fn extreme_plastics_are_finite() {
     for eta in [1e-4, 1e-3, 0.5, 1.0, 2.0, 1e3, 1e4, 1e30] {

@@ -7,8 +7,8 @@ use crate::bsdf::material::{Material, Roughness, WardVariant, white};
 use crate::bsdf::{Bsdf, Materials, Transport};
 use crate::math::{Rgb, Vec2, Vec3};
 
-/// Integral of f |cos| over the upper hemisphere by a midpoint rule in `sqrt(1 - z)`, which is about
-/// the angle where lobes are narrow.
+/// Integral of f |cos| over the upper hemisphere by a midpoint rule in `sqrt(1 - z)`, which is
+/// about the angle where lobes are narrow.
 fn integral(bsdf: &Bsdf, wo: Vec3) -> Rgb {
     const N: usize = 400;
     let mut sum = Rgb::ZERO;
@@ -56,7 +56,8 @@ fn rough_diffuse_without_roughness_is_diffuse() {
     }
 }
 
-/// Oren and Nayar's figures for sigma = 0.3 at normal incidence: `f = rho / pi (C1 + rho C4)` there.
+/// Oren and Nayar's figures for sigma = 0.3 at normal incidence: `f = rho / pi (C1 + rho C4)`
+/// there.
 #[test]
 fn rough_diffuse_at_normal_incidence() {
     let rough = Material::RoughDiffuse {
@@ -88,8 +89,8 @@ fn phong_reflects_its_specular_part() {
     }
 }
 
-/// A narrow lobe of Ward's is normalised away from grazing angles in Duer's and the balanced variant; the
-/// first one falls off with the cosine (Duer 2006).
+/// A narrow lobe of Ward's is normalised away from grazing angles in Duer's and the balanced
+/// variant; the first one falls off with the cosine (Duer 2006).
 #[test]
 fn ward_reflects_its_specular_part() {
     for variant in [

@@ -1,5 +1,5 @@
-//! The models under test, by name: those of `tests/vectors/bsdf.py`, which Mitsuba can be asked about,
-//! and those that only exist here and in Mitsuba 0.6.
+//! The models under test, by name: those of `tests/vectors/bsdf.py`, which Mitsuba can be asked
+//! about, and those that only exist here and in Mitsuba 0.6.
 
 use crate::bsdf::material::{
     Distribution, Material, MetallicRoughness, Principled, PrincipledThin, Roughness, Turning,

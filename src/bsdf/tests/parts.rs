@@ -18,7 +18,8 @@ fn parts(bsdf: &Bsdf, wo: Vec3) -> [(Bsdf, f32); 2] {
     })
 }
 
-/// By lot the whole is met on average: what is left, times its factor, times the probability that it is left.
+/// By lot the whole is met on average: what is left, times its factor, times the probability that
+/// it is left.
 #[test]
 fn parts_make_up_the_whole() {
     let mut rng = Pcg32::new(5, 2);
@@ -53,7 +54,8 @@ fn samples_of_parts_follow_their_densities() {
     }
 }
 
-/// The base looks the same from all sides, but for the factor; on the back of a two-sided material, too.
+/// The base looks the same from all sides, but for the factor; on the back of a two-sided material,
+/// too.
 #[test]
 fn bases_differ_by_their_view_alone() {
     let mut materials = Materials::default();

@@ -1,10 +1,12 @@
 //! Pearson's chi-square test: observed counts against expected ones.
 
-/// Cells that expect fewer than this are pooled: below it the statistic is not chi-square distributed.
+/// Cells that expect fewer than this are pooled: below it the statistic is not chi-square
+/// distributed.
 const MIN_EXPECTED: f64 = 5.0;
 
-/// p-value of observing `observed` where `expected` counts were due: the chance of a deviation at least
-/// as large. `None` where nothing can be compared; what is left over after the last full pool is left out.
+/// p-value of observing `observed` where `expected` counts were due: the chance of a deviation at
+/// least as large. `None` where nothing can be compared; what is left over after the last full pool
+/// is left out.
 pub(super) fn chi_square(observed: &[f64], expected: &[f64]) -> Option<f64> {
     let mut cells: Vec<(f64, f64)> = expected
         .iter()
@@ -27,7 +29,8 @@ pub(super) fn chi_square(observed: &[f64], expected: &[f64]) -> Option<f64> {
     (degrees > 1).then(|| upper_gamma(0.5 * f64::from(degrees - 1), 0.5 * statistic))
 }
 
-/// The significance for each of `tests` tests that keeps the chance of any false alarm at 1 % (Sidak).
+/// The significance for each of `tests` tests that keeps the chance of any false alarm at 1 %
+/// (Sidak).
 pub(super) fn significance(tests: usize) -> f64 {
     1.0 - 0.99f64.powf(1.0 / tests as f64)
 }

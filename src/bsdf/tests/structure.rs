@@ -133,8 +133,8 @@ fn world_directions_go_through_the_frame() {
     }
 }
 
-/// With a shading normal (from the mesh or from a map), what power transport scatters from a to b is
-/// what radiance transport scatters from b to a, both per projected area of the *real* surface
+/// With a shading normal (from the mesh or from a map), what power transport scatters from a to b
+/// is what radiance transport scatters from b to a, both per projected area of the *real* surface
 /// (Veach 1997, 5.3). The normal is turned little enough that no limit is reached.
 #[test]
 fn shading_normals_keep_transport_adjoint() {
@@ -216,8 +216,8 @@ fn mixtures_weigh_their_parts() {
     }
 }
 
-/// Choosing the delta lobe with its probability, or else among the rest, is the same as choosing among all: each
-/// number that chooses a lobe gives the same sample either way.
+/// Choosing the delta lobe with its probability, or else among the rest, is the same as choosing
+/// among all: each number that chooses a lobe gives the same sample either way.
 #[test]
 fn a_delta_lobe_and_the_rest_are_all_lobes() {
     let wo = Vec3::new(0.5, 0.1, 0.8).normalize();

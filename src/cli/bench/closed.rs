@@ -2,8 +2,8 @@
 //!
 //! A mesh is closed if each of its edges is run along as often in one direction as in the other.
 //! Then the winding number (how often the surface surrounds a point) is whole everywhere but on the
-//! surface, and where it is not 0 no ray can leave without crossing a triangle. Rays go in all directions, and
-//! at vertices and edges, where a tracer that is not watertight lets them through.
+//! surface, and where it is not 0 no ray can leave without crossing a triangle. Rays go in all
+//! directions, and at vertices and edges, where a tracer that is not watertight lets them through.
 
 use super::subject::Subject;
 use crate::accel::{Ray, Shape, TriangleMesh};
@@ -135,7 +135,8 @@ fn points_inside<'a>(
 fn beside(subject: &Subject, [a, b, c]: [Vec3; 3], front: bool) -> Option<Vec3> {
     let normal = (b - a).cross(c - a).try_normalize()?;
     let dir = if front { normal } else { -normal };
-    // So near to a corner that f32 rounds the point onto the surface, nothing could be said about it.
+    // So near to a corner that f32 rounds the point onto the surface, nothing could be said about
+    // it.
     let smallest = 1e-4 * subject.scene.rays.bounds().radius();
     let middle = (a + b + c) / 3.0;
     let mut ray = Ray::new(middle, dir);

@@ -1,9 +1,9 @@
-//! How cost grows with the size of a mesh: `twintree bench scale` makes one shape at sizes four times
-//! apart, reads each from its file, builds the ray tracers over it and traces.
+//! How cost grows with the size of a mesh: `twintree bench scale` makes one shape at sizes four
+//! times apart, reads each from its file, builds the ray tracers over it and traces.
 //!
-//! The floor that reading is held to is what nobody can do without: the file read from one end to the
-//! other, and arrays of the mesh's size filled. Loading then looks for triangles without area and makes
-//! the normals that the file does not have.
+//! The floor that reading is held to is what nobody can do without: the file read from one end to
+//! the other, and arrays of the mesh's size filled. Loading then looks for triangles without area
+//! and makes the normals that the file does not have.
 
 use super::rays::{Kind, RaySets};
 use super::subject::Subject;

@@ -16,8 +16,8 @@ pub struct Drawings {
 }
 
 impl Drawings {
-    /// Decides by the name: one that ends like an image is a sheet, all else a directory, which is made
-    /// if need be.
+    /// Decides by the name: one that ends like an image is a sheet, all else a directory, which is
+    /// made if need be.
     ///
     /// # Errors
     /// When nothing can be written there.

@@ -15,7 +15,8 @@ use std::path::Path;
 /// Compares, prints the table, writes what was asked for.
 ///
 /// # Errors
-/// When an image cannot be read or is of another size, a file cannot be written, or a limit is passed.
+/// When an image cannot be read or is of another size, a file cannot be written, or a limit is
+/// passed.
 pub fn run(args: &CompareArgs) -> Result<(), Failure> {
     let mut drawings = args.output.as_deref().map(Drawings::plan).transpose()?;
     if let Some(path) = &args.json {

@@ -1,9 +1,10 @@
-//! Kubernetes: an Indexed Job for the shards, and Jobs around it. Kubernetes itself knows no order of jobs:
-//! those that wait are suspended, and let go by hand.
+//! Kubernetes: an Indexed Job for the shards, and Jobs around it. Kubernetes itself knows no order
+//! of jobs: those that wait are suspended, and let go by hand.
 
 use super::plan::Plan;
 
-/// The manifest. The scene is on a volume whose claim is called `claim`; relative names start there.
+/// The manifest. The scene is on a volume whose claim is called `claim`; relative names start
+/// there.
 pub fn manifest(plan: &Plan, image: &str, claim: &str) -> String {
     let threads = plan.threads.as_deref();
     let cpu = threads.map_or(String::new(), |count| {

@@ -1,10 +1,11 @@
 //! `twintree farm`: job files for queues that run an image's shards on many machines.
 //!
-//! Queues are good at what they do (who runs when, what happens when a machine dies) and every site has
-//! its own. The program therefore talks to none: it prints a file for one, which a person reads, changes
-//! and submits. All of them do the same: an array of `twintree render --shard`, then `twintree merge`.
-//! What makes that safe is in those commands: shards write whole files or none, go on from a checkpoint
-//! when they are started once more, and end at once if their part is there already.
+//! Queues are good at what they do (who runs when, what happens when a machine dies) and every site
+//! has its own. The program therefore talks to none: it prints a file for one, which a person
+//! reads, changes and submits. All of them do the same: an array of `twintree render --shard`, then
+//! `twintree merge`. What makes that safe is in those commands: shards write whole files or none,
+//! go on from a checkpoint when they are started once more, and end at once if their part is there
+//! already.
 
 mod k8s;
 mod openjd;

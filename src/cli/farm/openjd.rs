@@ -1,5 +1,5 @@
-//! Open Job Description: an open format for jobs of render farms, spoken by AWS Deadline Cloud and by
-//! `openjd run` on one machine. <https://github.com/OpenJobDescription/openjd-specifications>
+//! Open Job Description: an open format for jobs of render farms, spoken by AWS Deadline Cloud and
+//! by `openjd run` on one machine. <https://github.com/OpenJobDescription/openjd-specifications>
 
 use super::plan::Plan;
 

@@ -8,7 +8,8 @@ use std::path::Path;
 /// An image cut into jobs. Names of files are as they were typed: jobs run in the same directory.
 #[derive(Debug)]
 pub struct Plan {
-    /// What the job is called: the first image's name without its end, in letters that every queue takes.
+    /// What the job is called: the first image's name without its end, in letters that every queue
+    /// takes.
     pub name: String,
     /// The command line that this was made by.
     pub made_by: String,
@@ -103,7 +104,8 @@ impl Plan {
 
     /// The shell's command to join the parts.
     pub fn merge(&self) -> String {
-        // The number of shards is in the names: parts of another cut, left from an earlier day, stay out.
+        // The number of shards is in the names: parts of another cut, left from an earlier day,
+        // stay out.
         let parts = format!("{}/*-of-{}.exr", quote(&self.parts), self.shards);
         let mut line = vec![PROGRAM.to_owned(), "merge".into(), parts];
         let images = self.words.outputs.iter();

@@ -1,4 +1,5 @@
-//! The words of a `twintree render` command, taken apart: some are for the shards, some for the merge.
+//! The words of a `twintree render` command, taken apart: some are for the shards, some for the
+//! merge.
 
 use crate::cli::Failure;
 use crate::cli::args::Cli;

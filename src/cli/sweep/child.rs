@@ -1,5 +1,5 @@
-//! One run: the same program, started anew, so that a crash is one run that failed, and the command in the
-//! report is the one that ran.
+//! One run: the same program, started anew, so that a crash is one run that failed, and the command
+//! in the report is the one that ran.
 
 use crate::cli::failure::INTERRUPTED;
 use crate::cli::farm::quote;
@@ -105,7 +105,8 @@ fn wait(child: &mut Child, longest: Duration, interrupt: &Interrupt) -> Ended {
     ended
 }
 
-/// Ends a run: kindly, so that it takes its unfinished files away, and by force where that takes long.
+/// Ends a run: kindly, so that it takes its unfinished files away, and by force where that takes
+/// long.
 fn end(child: &mut Child) {
     // Whatever fails here fails because the run has ended already.
     let _ = kill_process(Pid::from_child(child), Signal::TERM);

@@ -1,9 +1,9 @@
 //! `twintree sweep`: which settings suit a scene?
 //!
-//! Every configuration of a plan (`plan`) is run several times as a child process (`child`), round by
-//! round, so that a machine that is busy for a while slows all of them down and not one. After each run
-//! `report.json` is there to go on from; at the end, or when Ctrl-C or the budget ends it, the page is
-//! written from it ([`crate::report::sweep`]).
+//! Every configuration of a plan (`plan`) is run several times as a child process (`child`), round
+//! by round, so that a machine that is busy for a while slows all of them down and not one. After
+//! each run `report.json` is there to go on from; at the end, or when Ctrl-C or the budget ends it,
+//! the page is written from it ([`crate::report::sweep`]).
 
 mod child;
 mod machine;
@@ -44,7 +44,8 @@ struct Subject {
 /// Runs the plan and writes the report.
 ///
 /// # Errors
-/// When scene, reference or plan cannot be used, the report cannot be written, or after an interrupt.
+/// When scene, reference or plan cannot be used, the report cannot be written, or after an
+/// interrupt.
 pub fn run(args: &SweepArgs, threads: Option<u16>, watch: Watch) -> Result<(), Failure> {
     let start = Instant::now();
     let subject = Subject::load(args)?;
@@ -169,8 +170,8 @@ fn common_words(args: &SweepArgs, subject: &Subject, threads: Option<u16>) -> Ve
     words
 }
 
-/// Tries the first configuration for a moment, which says early what is wrong and brings all files into
-/// memory, and decides how long runs may take.
+/// Tries the first configuration for a moment, which says early what is wrong and brings all files
+/// into memory, and decides how long runs may take.
 fn begin(mut setting: Setting, args: &SweepArgs, watch: Watch) -> Result<Sweep, Failure> {
     let (moment, first) = (SHORTEST, &setting.configurations[0]);
     let stats = file(args, first, "json");
@@ -216,9 +217,9 @@ fn begin(mut setting: Setting, args: &SweepArgs, watch: Watch) -> Result<Sweep, 
     })
 }
 
-/// Seconds of rendering that each run gets. What the first run did not spend on samples is learning: a run
-/// that has no time for anything else says nothing about what was learned, so that a short budget makes
-/// fewer runs and no shorter ones.
+/// Seconds of rendering that each run gets. What the first run did not spend on samples is
+/// learning: a run that has no time for anything else says nothing about what was learned, so that
+/// a short budget makes fewer runs and no shorter ones.
 fn seconds_each(setting: &Setting, budget: f64, (overhead, learning): (f64, f64)) -> f64 {
     let runs = setting.configurations.len() as f64 * f64::from(setting.rounds);
     let least = (LEARNING * learning).max(SHORTEST);

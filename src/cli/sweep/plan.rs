@@ -1,8 +1,8 @@
-//! What is tried: the options that trade speed for accuracy, one changed at a time from a base, and some
-//! that go together.
+//! What is tried: the options that trade speed for accuracy, one changed at a time from a base, and
+//! some that go together.
 //!
-//! The base is a guided render, for most options are about guiding. How many samples to take is no option
-//! here: every run measures its error all the way.
+//! The base is a guided render, for most options are about guiding. How many samples to take is no
+//! option here: every run measures its error all the way.
 
 use crate::cli::Failure;
 use crate::cli::args::Cli;
@@ -155,8 +155,8 @@ impl Draft {
     }
 }
 
-/// The words of `base` whose options `changed` does not have, then `changed`. An option is a word with
-/// `--`, and the words up to the next.
+/// The words of `base` whose options `changed` does not have, then `changed`. An option is a word
+/// with `--`, and the words up to the next.
 fn merged(base: &[String], changed: Vec<String>) -> Vec<String> {
     let option = |word: &str| word.split('=').next().unwrap_or_default().to_owned();
     let named = changed.iter().filter(|w| w.starts_with("--"));

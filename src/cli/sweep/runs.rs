@@ -82,7 +82,8 @@ pub fn go_through(
     Ok(Ended::Complete)
 }
 
-/// Makes one run, which is ended after `longest` seconds. What came of it, and its entry in the report.
+/// Makes one run, which is ended after `longest` seconds. What came of it, and its entry in the
+/// report.
 fn make(
     sweep: &Sweep,
     args: &SweepArgs,

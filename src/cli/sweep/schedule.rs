@@ -7,8 +7,8 @@ use std::path::PathBuf;
 /// Seeds of the rounds follow this one: references are rendered with small ones.
 const SEEDS: u64 = 1000;
 
-/// The configurations of a round. The first stays first; the others begin elsewhere each time, and go
-/// backwards every other round, so that none always follows the same.
+/// The configurations of a round. The first stays first; the others begin elsewhere each time, and
+/// go backwards every other round, so that none always follows the same.
 pub fn order(configurations: &[Configuration], round: u32) -> Vec<&Configuration> {
     let mut list: Vec<&Configuration> = configurations.iter().collect();
     let others = list.get_mut(1..).unwrap_or_default();

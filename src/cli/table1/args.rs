@@ -22,7 +22,8 @@ pub struct Table1Args {
         help_heading = "Scene"
     )]
     pub define: Vec<Definition>,
-    /// Put something plain in the place of what is not supported, with a warning, instead of giving up
+    /// Put something plain in the place of what is not supported, with a warning, instead of giving
+    /// up
     #[arg(long, help_heading = "Scene")]
     pub lenient: bool,
     /// Width in pixels; the height follows the scene's proportions
@@ -60,14 +61,16 @@ pub struct Table1Args {
         help_heading = "Guiding"
     )]
     pub paths: u64,
-    /// How many pixels' paths share what they find, with every method that guides, as in "twintree render"; 1: each
-    /// is for itself, as in the paper
+    /// How many pixels' paths share what they find, with every method that guides, as in "twintree
+    /// render"; 1: each is for itself, as in the paper
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=i64::from(reuse::MOST)), help_heading = "Guiding")]
     pub reuse: u32,
-    /// Times that everything is done, with a seed of its own each; medians count. The methods take turns
+    /// Times that everything is done, with a seed of its own each; medians count. The methods take
+    /// turns
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000), help_heading = "Measurement")]
     pub repeats: u32,
-    /// Image to measure errors against, one for each scene, in their order; without it one is rendered
+    /// Image to measure errors against, one for each scene, in their order; without it one is
+    /// rendered
     #[arg(long = "reference", value_name = "FILE", help_heading = "Measurement")]
     pub references: Vec<PathBuf>,
     /// Samples a pixel of a reference that is rendered [default: 16 times --spp]
@@ -108,8 +111,8 @@ pub enum Method {
     DoubleVmf,
     /// The double hierarchy with Gaussian mixtures
     DoubleGauss,
-    /// The same as "twintree render --guide double" has it: it takes as many of the photons as the image is worth, and
-    /// learns from the image's own first samples
+    /// The same as "twintree render --guide double" has it: it takes as many of the photons as the
+    /// image is worth, and learns from the image's own first samples
     DoubleRender,
 }
 

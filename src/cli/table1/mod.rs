@@ -1,10 +1,10 @@
 //! `twintree table1`: Table 1 of Bus and Boubekeur 2017, made anew.
 //!
-//! Every method renders the same scenes at the same samples a pixel. Those that guide learn from the same
-//! photons and nothing else, each cut into batches as suits it: mixtures take equal ones as in the paper,
-//! the double hierarchy its own doubling ones. The last one learns as a render does, from fewer of them and
-//! its own first samples. The methods take turns, so that a machine that gets slower gets slower for all, and
-//! medians over the repeats count.
+//! Every method renders the same scenes at the same samples a pixel. Those that guide learn from
+//! the same photons and nothing else, each cut into batches as suits it: mixtures take equal ones
+//! as in the paper, the double hierarchy its own doubling ones. The last one learns as a render
+//! does, from fewer of them and its own first samples. The methods take turns, so that a machine
+//! that gets slower gets slower for all, and medians over the repeats count.
 
 pub mod args;
 mod reference;

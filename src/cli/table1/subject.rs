@@ -24,7 +24,8 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 use xxhash_rust::xxh3::xxh3_64;
 
-/// Batches of the double hierarchy, each twice as large as the one before: the program's own default.
+/// Batches of the double hierarchy, each twice as large as the one before: the program's own
+/// default.
 pub const DOUBLING_BATCHES: u32 = 8;
 
 /// A scene, built.

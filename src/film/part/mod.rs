@@ -1,22 +1,22 @@
 //! The exact state of a film as a file: a *part*.
 //!
-//! A part holds some or all tiles of a film with every sum to the last bit, the samples that each tile
-//! has taken, and what the pixels were made of (the scene, the settings, the program). It serves
-//! twice: as a shard of an image, which `twintree merge` joins with the others, and as a checkpoint,
-//! from which a render goes on as if it had never been interrupted.
+//! A part holds some or all tiles of a film with every sum to the last bit, the samples that each
+//! tile has taken, and what the pixels were made of (the scene, the settings, the program). It
+//! serves twice: as a shard of an image, which `twintree merge` joins with the others, and as a
+//! checkpoint, from which a render goes on as if it had never been interrupted.
 //!
-//! The file is an OpenEXR file of two layers, so that any EXR tool can list and dump it, though it is no
-//! picture. Numbers of 64 bits, whether `f64` or `u64`, are two channels of whole numbers, `name.high`
-//! and `name.low`.
+//! The file is an OpenEXR file of two layers, so that any EXR tool can list and dump it, though it
+//! is no picture. Numbers of 64 bits, whether `f64` or `u64`, are two channels of whole numbers,
+//! `name.high` and `name.low`.
 //!
 //! | layer | a row is | a column is | channels |
 //! |---|---|---|---|
 //! | `tiles` | a tile | there is one | its number on the film, samples done, samples dropped, a checksum |
 //! | `pixels` | the same tile | a pixel of it, row by row; small tiles end early | the sums of [`Pixel`](super::Pixel) |
 //!
-//! The attribute `twintree:part` carries a [`Record`] as JSON. The checksum of a tile covers the record,
-//! the tile's row and its pixels, so that a part that was changed by a hand or a disk is found out.
-//! Rows are written and read a block at a time: the film is never held twice.
+//! The attribute `twintree:part` carries a [`Record`] as JSON. The checksum of a tile covers the
+//! record, the tile's row and its pixels, so that a part that was changed by a hand or a disk is
+//! found out. Rows are written and read a block at a time: the film is never held twice.
 
 mod numbers;
 mod read;
@@ -42,8 +42,8 @@ pub struct Identity {
     pub scene: u64,
     /// Fingerprint of the learned field, where one was read from a file instead of being learned.
     pub field: Option<u64>,
-    /// Every setting that shapes the pixels, by name, the program's version among them. What does not
-    /// shape them (threads, names of files) is not here.
+    /// Every setting that shapes the pixels, by name, the program's version among them. What does
+    /// not shape them (threads, names of files) is not here.
     pub settings: Vec<(String, String)>,
 }
 
@@ -86,8 +86,8 @@ pub struct Record {
 }
 
 impl Identity {
-    /// How `other` differs from this, one phrase a difference; `here` and `there` are what the two are
-    /// called. Empty where they are the same.
+    /// How `other` differs from this, one phrase a difference; `here` and `there` are what the two
+    /// are called. Empty where they are the same.
     pub fn differences(&self, here: &str, other: &Identity, there: &str) -> Vec<String> {
         let mut list = Vec::new();
         if self.scene != other.scene {

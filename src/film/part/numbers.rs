@@ -3,7 +3,8 @@
 use crate::film::{Late, Pixel, Tile};
 use xxhash_rust::xxh3::Xxh3;
 
-/// What is stored of a pixel. EXR sorts channels by name: so is this list, and `.high` stays before `.low`.
+/// What is stored of a pixel. EXR sorts channels by name: so is this list, and `.high` stays before
+/// `.low`.
 pub const PIXEL: [&str; 24] = [
     "albedo.b",
     "albedo.g",

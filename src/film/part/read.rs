@@ -80,8 +80,8 @@ impl PartReader {
         &self.record
     }
 
-    /// Reads all tiles into `film`, which must be of the record's region; `taken` is told each one's
-    /// number before it is put there, and refuses by an error.
+    /// Reads all tiles into `film`, which must be of the record's region; `taken` is told each
+    /// one's number before it is put there, and refuses by an error.
     ///
     /// # Errors
     /// When the file is damaged, a tile is not one of the film's, or `taken` refuses.

@@ -38,9 +38,9 @@ struct Stored<'a> {
     record: &'a Record,
 }
 
-/// Writes the tiles that `film` holds, with every sum as it is. The file appears whole under its name,
-/// or the old one stays. A writer that is killed leaves one unfinished file at most, `<path>.new`, for
-/// the next to overwrite.
+/// Writes the tiles that `film` holds, with every sum as it is. The file appears whole under its
+/// name, or the old one stays. A writer that is killed leaves one unfinished file at most,
+/// `<path>.new`, for the next to overwrite.
 ///
 /// # Errors
 /// When the file cannot be written; names it and what the system said.
@@ -62,7 +62,8 @@ pub fn write(
     })
 }
 
-/// JSON in which every character beyond ASCII is escaped: EXR's texts are bytes of an unknown alphabet.
+/// JSON in which every character beyond ASCII is escaped: EXR's texts are bytes of an unknown
+/// alphabet.
 fn ascii(json: &str) -> String {
     let mut out = String::with_capacity(json.len());
     for c in json.chars() {
@@ -78,7 +79,8 @@ fn ascii(json: &str) -> String {
     out
 }
 
-/// Blocks that are made and packed side by side before they are written in order: half a megabyte each.
+/// Blocks that are made and packed side by side before they are written in order: half a megabyte
+/// each.
 const BLOCKS_AT_ONCE: usize = 64;
 
 fn encode(file: &Path, record: &str, film: &Film, packing: Packing) -> UnitResult {

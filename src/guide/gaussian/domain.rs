@@ -6,7 +6,8 @@ use crate::math::special::{erf, exp_negative};
 use crate::math::warp::concentric_disk;
 use std::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_4};
 
-/// A lobe whose mean is this many standard deviations inside every border has all its mass there, to 6e-7.
+/// A lobe whose mean is this many standard deviations inside every border has all its mass there,
+/// to 6e-7.
 const INSIDE: f32 = 5.0;
 /// Points of the quadrature rule.
 const POINTS: usize = 8;
@@ -70,9 +71,9 @@ impl Domain {
         }
     }
 
-    /// A way along x, from 0 to 1 as `s` goes from 0 to 1, on which borders have no steep ends: for the disk
-    /// x = s^2 (3 - 2 s), on which the root in its border's height is s (1 - s) times a smooth function. Returns
-    /// x, dx/ds and from where to where the domain goes along y.
+    /// A way along x, from 0 to 1 as `s` goes from 0 to 1, on which borders have no steep ends: for
+    /// the disk x = s^2 (3 - 2 s), on which the root in its border's height is s (1 - s) times a
+    /// smooth function. Returns x, dx/ds and from where to where the domain goes along y.
     #[inline]
     fn column(self, s: f32) -> (f32, f32, f32, f32) {
         match self {
@@ -105,8 +106,8 @@ impl Domain {
         }
     }
 
-    /// A lobe of the same mass, which is easier to integrate: the disk may be turned, so that what is
-    /// narrow lies along x and nothing is steep along y.
+    /// A lobe of the same mass, which is easier to integrate: the disk may be turned, so that what
+    /// is narrow lies along x and nothing is steep along y.
     fn turned(self, lobe: &Lobe) -> Lobe {
         if self == Self::Square {
             return *lobe;
@@ -124,8 +125,9 @@ impl Domain {
         }
     }
 
-    /// The integral of a lobe's Gaussian over the domain. There is no closed form with correlation: along x
-    /// by quadrature, along y, whose distribution given x is a Gaussian, by the error function.
+    /// The integral of a lobe's Gaussian over the domain. There is no closed form with correlation:
+    /// along x by quadrature, along y, whose distribution given x is a Gaussian, by the error
+    /// function.
     pub fn mass(self, lobe: &Lobe) -> f32 {
         let [xx, _, yy] = lobe.covariance;
         if self.holds(lobe, Vec2::new(xx.sqrt(), yy.sqrt())) {
@@ -141,7 +143,8 @@ impl Domain {
         if from >= to {
             return 0.0;
         }
-        // The band within which y's distribution crosses a border is sy/rest times narrower than sx.
+        // The band within which y's distribution crosses a border is sy/rest times narrower than
+        // sx.
         let panels = (4.0 * sy / rest).clamp(4.0, 128.0) as u32;
         let half = 0.5 * (to - from) / panels as f32;
         let scale = FRAC_1_SQRT_2 / rest;

@@ -7,8 +7,8 @@ use std::f32::consts::TAU;
 /// A number for each lobe.
 pub type Eight = [f32; LOBES];
 
-/// Gaussians over the plane: `scale * exp(-q/2)` with q = (a dx)^2 + (b dx + d dy)^2, the squared length of
-/// the offset from the mean under the inverse Cholesky factor of the covariance.
+/// Gaussians over the plane: `scale * exp(-q/2)` with q = (a dx)^2 + (b dx + d dy)^2, the squared
+/// length of the offset from the mean under the inverse Cholesky factor of the covariance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lanes {
     pub scale: Eight,

@@ -21,8 +21,8 @@ pub struct Lobe {
 }
 
 impl Lobe {
-    /// The inverse of the covariance's Cholesky factor, `[a, b, d]` for the rows (a 0) and (b d); `None` unless
-    /// the covariance is positive definite.
+    /// The inverse of the covariance's Cholesky factor, `[a, b, d]` for the rows (a 0) and (b d);
+    /// `None` unless the covariance is positive definite.
     pub fn inverse_cholesky(&self) -> Option<[f32; 3]> {
         let [xx, xy, yy] = self.covariance.map(f64::from);
         let l11 = xx.sqrt();
@@ -34,8 +34,8 @@ impl Lobe {
     }
 }
 
-/// Per lobe: sums or means of g, g x, g y, g xx, g xy, g yy, where (x, y) is a record's place and g its weight
-/// times the lobe's responsibility.
+/// Per lobe: sums or means of g, g x, g y, g xx, g xy, g yy, where (x, y) is a record's place and g
+/// its weight times the lobe's responsibility.
 pub type Statistics = [[f64; 6]; LOBES];
 
 /// What is believed of covariances before anything was seen.
@@ -47,7 +47,8 @@ pub struct Prior {
     pub least_variance: f64,
 }
 
-/// The positive definite covariance nearest to one that was computed: xx, xy, yy. No variance is less than `least`.
+/// The positive definite covariance nearest to one that was computed: xx, xy, yy. No variance is
+/// less than `least`.
 pub fn positive([xx, xy, yy]: [f64; 3], least: f64) -> [f32; 3] {
     let (xx, yy) = (xx.max(least), yy.max(least));
     // Rounding must not carry the correlation beyond 1.
@@ -55,9 +56,10 @@ pub fn positive([xx, xy, yy]: [f64; 3], least: f64) -> [f32; 3] {
     [xx, xy.clamp(-most, most), yy].map(|v| v as f32)
 }
 
-/// The maximum a posteriori for the statistics of `n` records of equal weight, in the unit of the statistics'
-/// own sum: a Dirichlet prior (v) on the weights and a normal-inverse-Wishart prior (a, b) on the covariances,
-/// which fade as 1/n. A lobe that nothing belongs to stays where it is. Nothing happens without weight.
+/// The maximum a posteriori for the statistics of `n` records of equal weight, in the unit of the
+/// statistics' own sum: a Dirichlet prior (v) on the weights and a normal-inverse-Wishart prior (a,
+/// b) on the covariances, which fade as 1/n. A lobe that nothing belongs to stays where it is.
+/// Nothing happens without weight.
 pub fn maximise(lobes: &mut [Lobe; LOBES], statistics: &Statistics, n: f64, prior: &Prior) {
     let total: f64 = statistics.iter().map(|s| s[0]).sum();
     if !(total > 0.0 && total.is_finite()) {

@@ -7,13 +7,14 @@ use crate::math::Vec2;
 use crate::math::rng::{BELOW_ONE, hash_all, hash64, unit_f32};
 use std::f32::consts::TAU;
 
-/// A lobe with less of its mass inside is left out: a mean of points inside has never so little around it.
+/// A lobe with less of its mass inside is left out: a mean of points inside has never so little
+/// around it.
 const LEAST_MASS: f32 = 0.02;
 /// Draws before a lobe is given up on: with the least mass inside, one in 10^11 gets that far.
 const DRAWS: u64 = 1280;
 
-/// Gaussians cut off at the borders of a domain, each normalised over it, and a share of the uniform
-/// distribution.
+/// Gaussians cut off at the borders of a domain, each normalised over it, and a share of the
+/// uniform distribution.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mixture {
     lanes: Lanes,
@@ -24,8 +25,8 @@ pub struct Mixture {
 }
 
 impl Mixture {
-    /// A mixture with a share of the uniform distribution, (0, 1]. Lobes without a usable covariance are left
-    /// out; without any the mixture is uniform.
+    /// A mixture with a share of the uniform distribution, (0, 1]. Lobes without a usable
+    /// covariance are left out; without any the mixture is uniform.
     pub fn new(lobes: &[Lobe; LOBES], uniform: f32, domain: Domain) -> Self {
         let mut lanes = Lanes::default();
         let mut weights = [0f32; LOBES];
@@ -75,8 +76,9 @@ impl Mixture {
         self.uniform / self.domain.area() + self.lanes.density(u.x, u.y)
     }
 
-    /// A point of the domain. `select` chooses the lobe and `u` the place in it, both uniform in the unit
-    /// interval and square. A place outside is drawn again, with numbers that follow from these.
+    /// A point of the domain. `select` chooses the lobe and `u` the place in it, both uniform in
+    /// the unit interval and square. A place outside is drawn again, with numbers that follow from
+    /// these.
     #[inline]
     pub fn sample(&self, select: f32, u: Vec2) -> Vec2 {
         let (lobe, _) = self.choose(select);
@@ -90,7 +92,8 @@ impl Mixture {
         self.draw(lobe, Vec2::new(rest, u.y), u64::from(u.x.to_bits()))
     }
 
-    /// A lobe, or `None` for the uniform distribution, and where in its share `select` is, in [0, 1).
+    /// A lobe, or `None` for the uniform distribution, and where in its share `select` is, in [0,
+    /// 1).
     #[inline]
     fn choose(&self, select: f32) -> (Option<usize>, f32) {
         if select < self.uniform || self.uniform >= 1.0 {

@@ -1,5 +1,5 @@
-//! Mixtures of Gaussians over a part of the plane that stands for directions: what the cached mixtures of
-//! [`super::gmm`] and the double hierarchy's own Gaussian model have in common.
+//! Mixtures of Gaussians over a part of the plane that stands for directions: what the cached
+//! mixtures of [`super::gmm`] and the double hierarchy's own Gaussian model have in common.
 
 mod domain;
 mod lanes;

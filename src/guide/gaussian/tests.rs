@@ -1,4 +1,5 @@
-//! The disk, which only [`crate::guide::ModelKind::Gauss`] uses; the square is tested with cached mixtures.
+//! The disk, which only [`crate::guide::ModelKind::Gauss`] uses; the square is tested with cached
+//! mixtures.
 
 use super::{Domain, LOBES, Lobe, Mixture};
 use crate::math::{Pcg32, Vec2};

@@ -59,8 +59,8 @@ impl Cover {
         }
     }
 
-    /// Calls `found` with the numbers of all spheres that may hold `x`, smaller ones first, until it says
-    /// that it has seen enough by `true`.
+    /// Calls `found` with the numbers of all spheres that may hold `x`, smaller ones first, until
+    /// it says that it has seen enough by `true`.
     #[inline]
     pub fn near(&self, x: Vec3, mut found: impl FnMut(u32) -> bool) {
         let mut levels = self.levels;

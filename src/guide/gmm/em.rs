@@ -1,8 +1,9 @@
 //! Weighted stepwise expectation maximisation of a mixture (Vorba et al. 2014, sections 4 and 5).
 //!
-//! The sufficient statistics of lobe j are means over photons of g, g x and g x x^T, where x is the photon's
-//! place in the square and g its weight times the lobe's responsibility. A step of n photons moves them by
-//! a rate: u <- (1 - eta) u + eta u_step. The mixture is then the maximum a posteriori (see [`maximise`]).
+//! The sufficient statistics of lobe j are means over photons of g, g x and g x x^T, where x is the
+//! photon's place in the square and g its weight times the lobe's responsibility. A step of n
+//! photons moves them by a rate: u <- (1 - eta) u + eta u_step. The mixture is then the maximum a
+//! posteriori (see [`maximise`]).
 
 use crate::guide::gaussian::{LOBES, Lanes, Lobe, Prior, Statistics, maximise};
 use crate::math::rng::{hash64, unit_f32};
@@ -40,7 +41,8 @@ pub(super) struct Learning {
 }
 
 impl Learning {
-    /// Starts from the first photons, of which there must be one at least. `seed` picks the starting points.
+    /// Starts from the first photons, of which there must be one at least. `seed` picks the
+    /// starting points.
     pub fn start(samples: &[Sample], seed: u64) -> Self {
         let mut new = Self {
             statistics: seeds(samples, seed),
@@ -143,8 +145,8 @@ impl Learning {
     }
 }
 
-/// Statistics to start from: photons chosen as by k-means++ (Arthur and Vassilvitskii 2007), far from each
-/// other and by weight; every photon belongs to the nearest.
+/// Statistics to start from: photons chosen as by k-means++ (Arthur and Vassilvitskii 2007), far
+/// from each other and by weight; every photon belongs to the nearest.
 fn seeds(samples: &[Sample], seed: u64) -> Statistics {
     let mut rng = Pcg32::new(hash64(seed), 0x0067_6d6d);
     let mut distance = vec![1f32; samples.len()];
@@ -183,8 +185,8 @@ fn weighted<'a>(samples: &'a [Sample], distance: &'a [f32]) -> impl Iterator<Ite
     pairs.map(|(s, d)| f64::from(s.weight) * f64::from(*d))
 }
 
-/// Fits a mixture to photons in steps of `step`: what a record does. Photons whose place or weight is not
-/// finite, or that weigh nothing, are left out; without any there is no mixture.
+/// Fits a mixture to photons in steps of `step`: what a record does. Photons whose place or weight
+/// is not finite, or that weigh nothing, are left out; without any there is no mixture.
 pub fn fit(samples: &[Sample], step: usize, rate: f64, seed: u64) -> Option<[Lobe; LOBES]> {
     let sound: Vec<Sample> = samples.iter().copied().filter(Sample::is_sound).collect();
     let first = sound.len().min(step.max(1));

@@ -9,7 +9,8 @@ use crate::math::{Frame, Pcg32, Rgb, Vec2, Vec3, warp::uniform_sphere};
 
 /// A record is asked this many of its radii away at most.
 const REACH: f32 = 2.0;
-/// A normal that differs moves a record away: by its radius times the root of this per unit of 1 - cosine.
+/// A normal that differs moves a record away: by its radius times the root of this per unit of 1 -
+/// cosine.
 const TURN: f32 = 4.0;
 /// Records for surfaces turned further away are not asked (cosine).
 const LEAST_COSINE: f32 = 0.5;
@@ -112,8 +113,8 @@ impl Mixtures {
         (arrays + self.tree.bytes()) as u64
     }
 
-    /// Noise over a box: mixtures that know nothing, at places that mean nothing. For tests that show that no
-    /// field can change the mean of an image.
+    /// Noise over a box: mixtures that know nothing, at places that mean nothing. For tests that
+    /// show that no field can change the mean of an image.
     pub fn random(min: Vec3, max: Vec3, seed: u64) -> Self {
         let mut rng = Pcg32::new(seed, 0x006d_6978);
         let mut next = || rng.next_f32();
@@ -151,7 +152,8 @@ impl LocalMixture<'_> {
         self.known.irradiance
     }
 
-    /// A direction of the record's hemisphere. `select` chooses the lobe, `u` the place in it, both uniform.
+    /// A direction of the record's hemisphere. `select` chooses the lobe, `u` the place in it, both
+    /// uniform.
     #[inline]
     pub fn sample(&self, select: f32, u: Vec2) -> GuideSample {
         let local = square::to_hemisphere(self.known.mixture.sample(select, u));
@@ -166,7 +168,8 @@ impl LocalMixture<'_> {
         }
     }
 
-    /// Solid-angle density of [`LocalMixture::sample`]: positive in the record's hemisphere, 0 below it.
+    /// Solid-angle density of [`LocalMixture::sample`]: positive in the record's hemisphere, 0
+    /// below it.
     #[inline]
     pub fn pdf(&self, w: Vec3) -> f32 {
         match square::to_square(self.frame.to_local(w)) {

@@ -1,34 +1,36 @@
 //! Cached Gaussian mixtures: the method that the double hierarchy competes with.
 //!
-//! Vorba, Karlík, Šik, Ritschel and Křivánek, "On-line Learning of Parametric Mixture Models for Light
-//! Transport Simulation" (ACM Trans. Graph. 33(4), 2014). Light that arrives at a point is a density over
-//! the hemisphere above it. It is kept where paths will need it, in *records* on the scene's surfaces, each
-//! a mixture of [`LOBES`] Gaussians, and a path vertex asks the nearest record.
+//! Vorba, Karlík, Šik, Ritschel and Křivánek, "On-line Learning of Parametric Mixture Models for
+//! Light Transport Simulation" (ACM Trans. Graph. 33(4), 2014). Light that arrives at a point is a
+//! density over the hemisphere above it. It is kept where paths will need it, in *records* on the
+//! scene's surfaces, each a mixture of [`LOBES`] Gaussians, and a path vertex asks the nearest
+//! record.
 //!
-//! * **Square.** The hemisphere is mapped to the unit square by Shirley and Chiu's concentric map, which
-//!   keeps areas: a density over the square is one over solid angle, but for 2 pi (`square`).
-//! * **Records** are made once the first batch of photons is there, at points where camera paths scatter and
-//!   no record serves yet. A record listens to the photons within its radius on surfaces that face the
-//!   same way. The radius is such that it will hear of [`Settings::photons`] photons in all, so records
-//!   stand close where light is dense; a record serves the points within half of its radius (`place`).
-//! * **Learning** is weighted stepwise expectation maximisation with the paper's conjugate priors: the first
-//!   photons, gathered until there are enough, start the mixture (k-means++ seeds, then a few iterations
-//!   over them alone), later ones are mini-batches that move its sufficient statistics (`em`). Photons
-//!   are forgotten afterwards.
-//! * **Sampling.** Gaussians reach beyond the square. A sample that falls outside is drawn again, and each
-//!   lobe's density is divided by its mass inside, which is integrated once when the field is frozen:
-//!   mixtures integrate to one over the hemisphere (`mixture`).
+//! * **Square.** The hemisphere is mapped to the unit square by Shirley and Chiu's concentric map,
+//!   which keeps areas: a density over the square is one over solid angle, but for 2 pi (`square`).
+//! * **Records** are made once the first batch of photons is there, at points where camera paths
+//!   scatter and no record serves yet. A record listens to the photons within its radius on
+//!   surfaces that face the same way. The radius is such that it will hear of [`Settings::photons`]
+//!   photons in all, so records stand close where light is dense; a record serves the points within
+//!   half of its radius (`place`).
+//! * **Learning** is weighted stepwise expectation maximisation with the paper's conjugate priors:
+//!   the first photons, gathered until there are enough, start the mixture (k-means++ seeds, then a
+//!   few iterations over them alone), later ones are mini-batches that move its sufficient
+//!   statistics (`em`). Photons are forgotten afterwards.
+//! * **Sampling.** Gaussians reach beyond the square. A sample that falls outside is drawn again,
+//!   and each lobe's density is divided by its mass inside, which is integrated once when the field
+//!   is frozen: mixtures integrate to one over the hemisphere (`mixture`).
 //!
-//! What differs from the paper: photons count less towards the rim of a record, as in density estimation; the
-//! prior is weighed against the effective number of photons, which unequal powers lower; the rate of the stepwise updates goes
-//! by photons instead of by batches, so that records in the dark, which wait until there are enough for a
-//! step, weigh all their photons alike, and forgets less (0.9 instead of 0.7), for here early photons are as
-//! good as late ones. Only incident light is learned: photons are not guided by visual
-//! importance, which the paper does in alternation, because the comparison is about what is made of the
-//! same photons.
+//! What differs from the paper: photons count less towards the rim of a record, as in density
+//! estimation; the prior is weighed against the effective number of photons, which unequal powers
+//! lower; the rate of the stepwise updates goes by photons instead of by batches, so that records
+//! in the dark, which wait until there are enough for a step, weigh all their photons alike, and
+//! forgets less (0.9 instead of 0.7), for here early photons are as good as late ones. Only
+//! incident light is learned: photons are not guided by visual importance, which the paper does in
+//! alternation, because the comparison is about what is made of the same photons.
 //!
-//! Everything about a record depends on the photons near it in their order, and records are worked on side
-//! by side: the same photons give the same bits on any number of threads.
+//! Everything about a record depends on the photons near it in their order, and records are worked
+//! on side by side: the same photons give the same bits on any number of threads.
 
 mod cover;
 mod em;

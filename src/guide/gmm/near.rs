@@ -7,8 +7,8 @@ const LEAF: usize = 8;
 /// Deepest descent: more levels than 2^32 points can need.
 const DEPTH: usize = 32;
 
-/// A balanced k-d tree. Nodes are numbered as in a heap and halve their range of points, so that only the
-/// dividing planes are kept.
+/// A balanced k-d tree. Nodes are numbered as in a heap and halve their range of points, so that
+/// only the dividing planes are kept.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tree {
     planes: Vec<Plane>,
@@ -47,8 +47,8 @@ impl Tree {
         size_of_val(&*self.planes) + size_of_val(&*self.points) + size_of_val(&*self.order)
     }
 
-    /// Visits points within a squared distance of `bound` from `x`, nearer halves first. `visit` is given a
-    /// point's slot and its squared distance and says what the bound is from then on.
+    /// Visits points within a squared distance of `bound` from `x`, nearer halves first. `visit` is
+    /// given a point's slot and its squared distance and says what the bound is from then on.
     #[inline]
     pub fn visit(&self, x: Vec3, mut bound: f32, mut visit: impl FnMut(usize, f32) -> f32) {
         let mut stack = [(0u32, 0u32, 0u32, 0f32); DEPTH];

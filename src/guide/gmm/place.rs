@@ -22,7 +22,8 @@ pub(super) struct Place {
     pub radius: f32,
 }
 
-/// Places for at most `most` records so that each of `points` is served, by the density of the first batch.
+/// Places for at most `most` records so that each of `points` is served, by the density of the
+/// first batch.
 pub(super) fn places(
     settings: &Settings,
     points: &[SurfacePoint],

@@ -10,7 +10,8 @@ use crate::guide::record::weight;
 use crate::math::{Frame, Rgb, Vec3};
 use std::f64::consts::PI;
 
-/// A photon further from the tangent plane than this share of the radius belongs to another surface.
+/// A photon further from the tangent plane than this share of the radius belongs to another
+/// surface.
 const SLAB: f32 = 0.5;
 /// A record's first photons are so many steps.
 pub(super) const FIRST_STEPS: usize = 3;

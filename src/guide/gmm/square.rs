@@ -1,5 +1,5 @@
-//! The hemisphere as a square: Shirley and Chiu's concentric map from the square to the disk (1997), then
-//! Lambert's from the disk to the hemisphere. Both keep areas.
+//! The hemisphere as a square: Shirley and Chiu's concentric map from the square to the disk
+//! (1997), then Lambert's from the disk to the hemisphere. Both keep areas.
 
 use crate::math::warp::concentric_disk;
 use crate::math::{Vec2, Vec3};

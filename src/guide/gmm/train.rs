@@ -34,8 +34,8 @@ struct State {
 }
 
 impl GmmTrainer {
-    /// A trainer whose records will serve `points`: where camera paths scatter. Points that are not finite are
-    /// left out.
+    /// A trainer whose records will serve `points`: where camera paths scatter. Points that are not
+    /// finite are left out.
     ///
     /// # Errors
     /// When a setting is out of range.
@@ -52,8 +52,8 @@ impl GmmTrainer {
         })
     }
 
-    /// Learns from a batch: the landings of `emitted` photons. Photons that are not finite, or dark, teach
-    /// nothing. The first batch with light decides where the records stand.
+    /// Learns from a batch: the landings of `emitted` photons. Photons that are not finite, or
+    /// dark, teach nothing. The first batch with light decides where the records stand.
     pub fn train(&mut self, photons: &[Photon], emitted: u64) {
         self.emitted = self.emitted.saturating_add(emitted);
         let sound: Vec<Photon> = photons.iter().filter(|p| is_sound(p)).copied().collect();

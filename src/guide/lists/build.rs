@@ -8,8 +8,8 @@ use crate::math::equal_area::{CODE_LEVELS, DirectionCell};
 use crate::math::{DVec3, Vec3};
 
 impl Lists {
-    /// The lists of all links, `order` being their numbers sorted by R node and direction, with F in units of
-    /// `scale`, and each cell's flux: all groups' red, then green, then blue.
+    /// The lists of all links, `order` being their numbers sorted by R node and direction, with F
+    /// in units of `scale`, and each cell's flux: all groups' red, then green, then blue.
     pub fn build(
         trainer: &Trainer,
         order: &[u32],
@@ -35,8 +35,8 @@ impl Lists {
         (lists, flux)
     }
 
-    /// Appends each R-node's links, grouped by base direction cell, with running sums. Returns each node's list
-    /// and each link's slot.
+    /// Appends each R-node's links, grouped by base direction cell, with running sums. Returns each
+    /// node's list and each link's slot.
     fn fill(
         &mut self,
         trainer: &Trainer,
@@ -92,8 +92,8 @@ impl Lists {
         self.model_of.push(NONE);
     }
 
-    /// One record for each leaf of R: where to enter P, and the deepest list on its path. Returns the flux of
-    /// their whole paths by group.
+    /// One record for each leaf of R: where to enter P, and the deepest list on its path. Returns
+    /// the flux of their whole paths by group.
     fn fill_cells(&mut self, trainer: &Trainer, list_of: &[u32]) -> Vec<f32> {
         let nodes = &trainer.space.nodes;
         let parent = parents(nodes);

@@ -1,17 +1,18 @@
 //! The links of a field whose P divides directions: many a cell, shared by the cells below them.
 //!
-//! Memory layout. Each node of R that has leaf links owns a *list*: its links sorted by direction, in 16 buckets
-//! (one a base direction cell), each bucket with running RGB sums of F. Lists are chained upwards, so a cell of R
-//! knows every link of its path. Beside that a cell keeps, per base direction cell, the RGB sum over its whole
-//! path and the node of P to enter at; both are what makes a query fast:
+//! Memory layout. Each node of R that has leaf links owns a *list*: its links sorted by direction,
+//! in 16 buckets (one a base direction cell), each bucket with running RGB sums of F. Lists are
+//! chained upwards, so a cell of R knows every link of its path. Beside that a cell keeps, per base
+//! direction cell, the RGB sum over its whole path and the node of P to enter at; both are what
+//! makes a query fast:
 //!
-//! * sampling picks a base cell, then a list of the path, then a link by binary search in running sums, then a
-//!   direction from the link's model;
+//! * sampling picks a base cell, then a list of the path, then a link by binary search in running
+//!   sums, then a direction from the link's model;
 //! * the density descends P from the entry: typically 2 to 5 steps.
 //!
-//! Sums are kept for each colour channel and combined with the path's throughput at the query, so the
-//! probability of a link is exactly the difference of two combined running sums, the same numbers in `sample`
-//! and in `pdf`: rounding cannot make them disagree.
+//! Sums are kept for each colour channel and combined with the path's throughput at the query, so
+//! the probability of a link is exactly the difference of two combined running sums, the same
+//! numbers in `sample` and in `pdf`: rounding cannot make them disagree.
 
 mod build;
 
@@ -54,8 +55,8 @@ impl Node {
 pub(crate) struct Lists {
     cell_list: Vec<u32>,
     cell_entry: Vec<Entry>,
-    /// Per list: the next list up the path, where each group's bucket starts, the end: in one place,
-    /// because a query needs both at once.
+    /// Per list: the next list up the path, where each group's bucket starts, the end: in one
+    /// place, because a query needs both at once.
     lists: Vec<u32>,
     /// Running sums before each slot's link.
     prefix: Vec<Vec3>,
@@ -102,8 +103,9 @@ impl Caps {
         caps
     }
 
-    /// A factor for a base cell and the normal `n`, positive wherever any direction of the cell lies above the
-    /// horizon: n.w lies within `radius` of n.centre, and is taken to be uniform there.
+    /// A factor for a base cell and the normal `n`, positive wherever any direction of the cell
+    /// lies above the horizon: n.w lies within `radius` of n.centre, and is taken to be uniform
+    /// there.
     #[inline]
     fn factor(&self, group: usize, n: Vec3, product: Product) -> f32 {
         let t = n.x * self.x[group] + n.y * self.y[group] + n.z * self.z[group];
@@ -125,8 +127,8 @@ impl Lists {
         query.normal.map_or(1.0, factor)
     }
 
-    /// A cell's link in a base cell, for a uniform `y` and these weights of the channels: list of the path, then
-    /// link of the list.
+    /// A cell's link in a base cell, for a uniform `y` and these weights of the channels: list of
+    /// the path, then link of the list.
     #[inline]
     pub fn pick(&self, cell: u32, group: usize, channels: Vec3, y: f32) -> Option<Slot> {
         let mut buckets = [(0usize, 0usize, 0f32); PATH];

@@ -1,20 +1,22 @@
-//! A mixture of eight Gaussians, one mixture a cell of R: for light that is narrow, slanted, or moves as one
-//! moves, where constants need many small cells and many records.
+//! A mixture of eight Gaussians, one mixture a cell of R: for light that is narrow, slanted, or
+//! moves as one moves, where constants need many small cells and many records.
 //!
-//! Directions are mapped to the plane by Lambert's azimuthal equal-area projection: a direction at the angle t
-//! from the axis lands 2 sin(t/2) from the origin, so the sphere is a disk of radius 2, solid angles are areas,
-//! and a Gaussian over the plane is a density. The axis is the middle of the octant that the cell's normals
-//! point into, so that the one singular direction, opposite to the axis, lies below every horizon.
+//! Directions are mapped to the plane by Lambert's azimuthal equal-area projection: a direction at
+//! the angle t from the axis lands 2 sin(t/2) from the origin, so the sphere is a disk of radius 2,
+//! solid angles are areas, and a Gaussian over the plane is a density. The axis is the middle of
+//! the octant that the cell's normals point into, so that the one singular direction, opposite to
+//! the axis, lies below every horizon.
 //!
-//! Training is expectation maximisation as in Vorba et al. 2014 (see [`super::super::gmm`]), with two
-//! differences. Parameters stay fixed while records come in and only moments are added up, as integers, so
-//! that shards add exactly; and a new cell starts from its parent's mixture instead of from its first
-//! records. A lobe that has become useless is tried elsewhere between iterations, at a record chosen by chance,
-//! so that a needle of light in the sky can be found: lobes that are wide already would never close in on it.
+//! Training is expectation maximisation as in Vorba et al. 2014 (see [`super::super::gmm`]), with
+//! two differences. Parameters stay fixed while records come in and only moments are added up, as
+//! integers, so that shards add exactly; and a new cell starts from its parent's mixture instead of
+//! from its first records. A lobe that has become useless is tried elsewhere between iterations, at
+//! a record chosen by chance, so that a needle of light in the sky can be found: lobes that are
+//! wide already would never close in on it.
 //!
-//! Photons and camera paths each have moments of their own; they are joined by how many records of equal
-//! weight they are worth, because a few paths that met the sun by chance should not speak louder than a
-//! thousand photons.
+//! Photons and camera paths each have moments of their own; they are joined by how many records of
+//! equal weight they are worth, because a few paths that met the sun by chance should not speak
+//! louder than a thousand photons.
 
 use super::moments::Moments;
 use super::needles::{SHARE, needles};
@@ -36,10 +38,12 @@ const TRACE: f32 = 1e-12;
 const DOUBT: f64 = 4.0;
 /// Space is divided into so many parts.
 const OCTANTS: f64 = 8.0;
-/// Solid-angle density of a density of 1 over the unit square: the disk of radius 2 has diameter 1 in it.
+/// Solid-angle density of a density of 1 over the unit square: the disk of radius 2 has diameter 1
+/// in it.
 const DENSITY: f32 = 1.0 / 16.0;
 
-/// A lobe of less weight is tried elsewhere. (With 0.5 a torus in glass has 1.2 times the variance.)
+/// A lobe of less weight is tried elsewhere. (With 0.5 a torus in glass has 1.2 times the
+/// variance.)
 const USELESS: f32 = 0.05;
 /// What it is tried as: one degree wide. (Half as wide or five times as heavy is the same.)
 const TRIED: Lobe = Lobe {
@@ -128,9 +132,9 @@ impl GaussStats {
         (joined, count)
     }
 
-    /// Keeps a record if it is drawn: of keys -w / ln u, the largest belongs to a record with a probability
-    /// in proportion to w (Efraimidis and Spirakis 2006). The numbers follow from record and mixture, so
-    /// that the order of records does not matter and each look has its own.
+    /// Keeps a record if it is drawn: of keys -w / ln u, the largest belongs to a record with a
+    /// probability in proportion to w (Efraimidis and Spirakis 2006). The numbers follow from
+    /// record and mixture, so that the order of records does not matter and each look has its own.
     #[inline]
     fn draw(&mut self, place: Vec2, units: f32) {
         let bits = u64::from(place.x.to_bits()) << 32 | u64::from(place.y.to_bits());
@@ -152,9 +156,10 @@ impl LocalModel for Gauss {
     const BASE_LEVEL: u8 = 0;
     const TABLE_LEVELS: u8 = 2;
     const SPLITS_DIRECTIONS: bool = false;
-    // Relative variance of a sample, 64 samples, for 400, 200, 100: veach-ajar 4.4, 4.4, 4.7; kitchen 9.5, 9.0, 8.5;
-    // a torus in glass 5.5, 5.1, 3.5. Before paths were split and needles shared, for 300, 100, 50, 25: veach-ajar
-    // 6.5, 6.9, 6.9, 7.4; kitchen 23.7, 12.8, 14.7, 16.8; the torus 25.5, 7.9, 7.1, 7.3; lux-pool 23, 20, 23, 33.
+    // Relative variance of a sample, 64 samples, for 400, 200, 100: veach-ajar 4.4, 4.4, 4.7;
+    // kitchen 9.5, 9.0, 8.5; a torus in glass 5.5, 5.1, 3.5. Before paths were split and needles
+    // shared, for 300, 100, 50, 25: veach-ajar 6.5, 6.9, 6.9, 7.4; kitchen 23.7, 12.8, 14.7, 16.8;
+    // the torus 25.5, 7.9, 7.1, 7.3; lux-pool 23, 20, 23, 33.
     const SPLIT_RECORDS: u32 = 100;
     const ITERATIONS: u32 = 4;
     type Stats = GaussStats;
@@ -335,8 +340,8 @@ impl LocalModel for Gauss {
     }
 }
 
-/// Lobes to start from, from the flux of direction cells: at cells that are bright and far from each other,
-/// and every cell belongs to the nearest.
+/// Lobes to start from, from the flux of direction cells: at cells that are bright and far from
+/// each other, and every cell belongs to the nearest.
 fn seeds(by_direction: &[f64], frame: &Frame) -> Statistics {
     let level = (by_direction.len().max(1).ilog2() / 2) as u8;
     let place = |cell: usize| {

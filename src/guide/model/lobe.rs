@@ -63,8 +63,8 @@ impl Lobe {
         )
     }
 
-    /// Density. Written with the chord, |w - mean|^2 / 2 = 1 - cos, which keeps its digits where cos
-    /// is near 1.
+    /// Density. Written with the chord, |w - mean|^2 / 2 = 1 - cos, which keeps its digits where
+    /// cos is near 1.
     #[inline]
     pub fn pdf(&self, w: Vec3) -> f32 {
         self.norm * (-0.5 * self.kappa * w.distance_squared(self.mean)).exp()

@@ -1,16 +1,17 @@
 //! Local models: how light is spread over directions inside one link.
 //!
 //! A model is constant along space (the paper's restriction), is sampled and evaluated on its
-//! direction cell and integrates to one over it, so that the link's flux *is* its marginal; the tree
-//! keeps that as RGB for every model alike. Model statistics are integers while records come in, so
-//! that they add exactly; floating point enters in [`LocalModel::refit`], once a link and round.
+//! direction cell and integrates to one over it, so that the link's flux *is* its marginal; the
+//! tree keeps that as RGB for every model alike. Model statistics are integers while records come
+//! in, so that they add exactly; floating point enters in [`LocalModel::refit`], once a link and
+//! round.
 //!
-//! Mixtures are fitted by expectation maximisation, which wants several looks at the same records: after a
-//! batch they are shown to the models again and again, [`LocalModel::ITERATIONS`] times, and only what the
-//! last look found is kept.
+//! Mixtures are fitted by expectation maximisation, which wants several looks at the same records:
+//! after a batch they are shown to the models again and again, [`LocalModel::ITERATIONS`] times,
+//! and only what the last look found is kept.
 //!
-//! A new model is a file with an implementation of [`LocalModel`], a variant of [`ModelKind`] and one line in
-//! [`local_models!`].
+//! A new model is a file with an implementation of [`LocalModel`], a variant of [`ModelKind`] and
+//! one line in [`local_models!`].
 
 mod accumulate;
 mod constant;
@@ -94,15 +95,15 @@ pub(crate) trait LocalModel {
     fn settle(stats: &mut Self::Stats);
     /// The state a child starts with.
     fn split(parent: &Self::Stats, from: &Region, to: &Region) -> Self::Stats;
-    /// Adds what another copy of this model was trained with since both last settled; false if they did so
-    /// apart.
+    /// Adds what another copy of this model was trained with since both last settled; false if they
+    /// did so apart.
     fn merge(into: &mut Self::Stats, other: &Self::Stats) -> bool;
     /// Forgets what was added and not remembered yet; the parameters stay.
     fn clear(stats: &mut Self::Stats);
     /// The model for sampling.
     fn freeze(stats: &Self::Stats, region: &Region) -> Self::Frozen;
-    /// Tells neighbours what could matter to them, too. `frozen` are the models of `links`, numbers among `stats`;
-    /// who is whose neighbour is found out when asked.
+    /// Tells neighbours what could matter to them, too. `frozen` are the models of `links`, numbers
+    /// among `stats`; who is whose neighbour is found out when asked.
     fn exchange(
         _: &mut [Self::Frozen],
         _: &[Self::Stats],

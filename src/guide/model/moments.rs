@@ -6,7 +6,8 @@ use crate::math::Vec2;
 
 /// Quanta a unit of weight: the smallest variance is told from zero by five digits.
 const QUANTA: f64 = (1u64 << 40) as f64;
-/// Quanta a squared unit of weight: light a million times dimmer than a typical record still counts.
+/// Quanta a squared unit of weight: light a million times dimmer than a typical record still
+/// counts.
 const SQUARE_QUANTA: f64 = (1u64 << 60) as f64;
 /// No sum of a file may be larger: what is added later must have room.
 const MOST: u128 = 1 << 120;
@@ -14,9 +15,10 @@ const MOST: u128 = 1 << 120;
 const LEAST_SHARE: f32 = 1e-6;
 /// How much of what is remembered counts beside new records.
 const MEMORY: f64 = 0.5;
-/// New records fewer than this share of those remembered do not make them fade: what was remembered when lobes
-/// were new fades once or twice, then batches of equal size add up. (With 0.5 it would be two batches' worth at most.
-/// 60 s, relMSE: veach-ajar 0.0161 instead of 0.0170, a kitchen 0.0268 instead of 0.0272.)
+/// New records fewer than this share of those remembered do not make them fade: what was remembered
+/// when lobes were new fades once or twice, then batches of equal size add up. (With 0.5 it would
+/// be two batches' worth at most. 60 s, relMSE: veach-ajar 0.0161 instead of 0.0170, a kitchen
+/// 0.0268 instead of 0.0272.)
 const FEW: f64 = 0.75;
 
 /// The moments of records of one origin.
@@ -63,8 +65,8 @@ impl Known {
 }
 
 impl Moments {
-    /// Adds a record of weight `units` (at most 2^16) at a place in the unit square, which belongs to the lobes
-    /// by `shares`.
+    /// Adds a record of weight `units` (at most 2^16) at a place in the unit square, which belongs
+    /// to the lobes by `shares`.
     #[inline]
     pub fn add(&mut self, place: Vec2, units: f32, shares: &[f32; LOBES]) {
         let (x, y) = (f64::from(place.x), f64::from(place.y));

@@ -1,25 +1,28 @@
 //! Needles of light that neighbours know.
 //!
-//! The sun through a pane, in a mirror, inside a block of glass: from wherever it is seen, it is seen in the same
-//! direction, and only some cells of a region have met it so far. A cell that has not draws it with the density
-//! of the dim light around it, and the path that finds it then is a firefly. So every cell draws a small share
-//! from the narrow lobes of all cells in the same larger cell of R.
+//! The sun through a pane, in a mirror, inside a block of glass: from wherever it is seen, it is
+//! seen in the same direction, and only some cells of a region have met it so far. A cell that has
+//! not draws it with the density of the dim light around it, and the path that finds it then is a
+//! firefly. So every cell draws a small share from the narrow lobes of all cells in the same larger
+//! cell of R.
 //!
-//! A tenth of the samples from what all mixtures of a larger cell find improbable instead (eight records a cell, kept
-//! with a chance in proportion to weight over the root of the density, in a table of cells 1.8 degrees wide) was tried
-//! beside that: 0.90 of the torus's relative variance, but 1.12 of a kitchen's, in 1.05 times the time.
+//! A tenth of the samples from what all mixtures of a larger cell find improbable instead (eight
+//! records a cell, kept with a chance in proportion to weight over the root of the density, in a
+//! table of cells 1.8 degrees wide) was tried beside that: 0.90 of the torus's relative variance,
+//! but 1.12 of a kitchen's, in 1.05 times the time.
 
 use super::prior::PRIOR;
 use crate::guide::gaussian::{Domain, LOBES, Lobe, Mixture, positive};
 use crate::math::Vec2;
 
-/// Share of the neighbours' needles, where there are any. (Relative variance of a sample, 64 samples, for 0, and
-/// for 0.05 with lobes of up to 1.5 degrees: a torus in glass under a small sun 5.9, 4.1; veach-ajar 4.66, 4.64; a
-/// Cornell box 0.319, 0.328. For 0.1 with lobes of up to 3 degrees the last two are 4.9 and 0.352.)
+/// Share of the neighbours' needles, where there are any. (Relative variance of a sample, 64
+/// samples, for 0, and for 0.05 with lobes of up to 1.5 degrees: a torus in glass under a small sun
+/// 5.9, 4.1; veach-ajar 4.66, 4.64; a Cornell box 0.319, 0.328. For 0.1 with lobes of up to 3
+/// degrees the last two are 4.9 and 0.352.)
 pub(super) const SHARE: f32 = 0.05;
-/// Cells of R learn from all cells below the cell so many levels up. (A torus in glass for 2, 3, 4 and all levels,
-/// from cells of the same depth alone: 6.6, 4.7, 5.1, 5.3 instead of 8.0 without needles; from cells of all depths
-/// 3.5 instead of 4.1.)
+/// Cells of R learn from all cells below the cell so many levels up. (A torus in glass for 2, 3, 4
+/// and all levels, from cells of the same depth alone: 6.6, 4.7, 5.1, 5.3 instead of 8.0 without
+/// needles; from cells of all depths 3.5 instead of 4.1.)
 pub(crate) const LEVELS_UP: u8 = 3;
 /// A needle's variance is at most that of 1.5 degrees, in the unit square.
 const NARROW: f32 = 4.3e-5;
@@ -34,7 +37,8 @@ const DOUBT: f64 = 16.0;
 /// Keeps the mixture's density positive.
 const UNIFORM: f32 = 1e-3;
 
-/// Lobes that are one needle: where the heaviest points to, and the sums of weight, x, y, xx, xy, yy.
+/// Lobes that are one needle: where the heaviest points to, and the sums of weight, x, y, xx, xy,
+/// yy.
 struct Needle {
     place: Vec2,
     sums: [f64; 6],
@@ -50,7 +54,8 @@ impl Needle {
         }
     }
 
-    /// Drawn in proportion to the root of its weight: a needle that few cells have met is dim or new.
+    /// Drawn in proportion to the root of its weight: a needle that few cells have met is dim or
+    /// new.
     fn lobe(&self) -> Lobe {
         let [w, x, y, xx, xy, yy] = self.sums;
         let (x, y) = (x / w, y / w);
@@ -63,8 +68,9 @@ impl Needle {
     }
 }
 
-/// The needles that these cells have met, the eight heaviest; `None` if there are none. Of each cell: how many
-/// records it has met, and its lobes; all over the same plane, the cells' normals point into the same octant.
+/// The needles that these cells have met, the eight heaviest; `None` if there are none. Of each
+/// cell: how many records it has met, and its lobes; all over the same plane, the cells' normals
+/// point into the same octant.
 pub(super) fn needles<'a>(
     cells: impl Iterator<Item = (f64, &'a [Lobe; LOBES])>,
 ) -> Option<Mixture> {

@@ -1,11 +1,11 @@
-//! A mixture of von Mises-Fisher lobes over the whole sphere, one mixture a cell of R, in the spirit
-//! of OpenPGL's parallax-aware mixtures: each lobe knows how far away its light is, and a query
-//! re-aims it from the cell's centre to the shading point.
+//! A mixture of von Mises-Fisher lobes over the whole sphere, one mixture a cell of R, in the
+//! spirit of OpenPGL's parallax-aware mixtures: each lobe knows how far away its light is, and a
+//! query re-aims it from the cell's centre to the shading point.
 //!
-//! Training is stepwise EM. While records come in, the parameters stay fixed and only responsibilities
-//! are added up, as integers, so that shards add exactly; [`Vmf::refit`] then takes an M-step, in
-//! which older batches count by [`MEMORY`]. Lobes start at the heaviest of 16 direction cells of the
-//! first batch.
+//! Training is stepwise EM. While records come in, the parameters stay fixed and only
+//! responsibilities are added up, as integers, so that shards add exactly; [`Vmf::refit`] then
+//! takes an M-step, in which older batches count by [`MEMORY`]. Lobes start at the heaviest of 16
+//! direction cells of the first batch.
 
 use super::lobe::{Lobe, Sums};
 use super::{LocalModel, Query, Region};
@@ -22,9 +22,10 @@ const LOBES: usize = 8;
 const MEMORY: f64 = 0.5;
 /// Weight of new records, in units, below which earlier batches count in full.
 const ENOUGH: f64 = 128.0;
-/// A cell of eight lobes with parallax explains a lot of space, but not all: on veach-ajar, 320 wide at
-/// 64 samples, the relative error is 0.338 with 16 000 records, 0.220 with 4000 and 0.171 with 1000, with one
-/// look at a batch (`twintree render --guide double --guide-model vmf --reference R.exr`). `constant` has 0.148.
+/// A cell of eight lobes with parallax explains a lot of space, but not all: on veach-ajar, 320
+/// wide at 64 samples, the relative error is 0.338 with 16 000 records, 0.220 with 4000 and 0.171
+/// with 1000, with one look at a batch (`twintree render --guide double --guide-model vmf
+/// --reference R.exr`). `constant` has 0.148.
 const SPLIT_RECORDS: u32 = 1000;
 /// Quanta a unit in the integer sums.
 const QUANTA: f64 = (1u64 << 20) as f64;
@@ -59,7 +60,8 @@ impl VmfStats {
         }
     }
 
-    /// What is remembered, and what was added since; earlier batches count less once there is enough.
+    /// What is remembered, and what was added since; earlier batches count less once there is
+    /// enough.
     fn known(&self) -> [Sums; LOBES] {
         let fresh: f64 = self.fresh.iter().map(|f| f[0] as f64).sum();
         let keep = if fresh < ENOUGH * QUANTA { 1.0 } else { MEMORY };
@@ -89,7 +91,8 @@ fn horizon_factor(query: &Query, mean: Vec3, kappa: f32) -> f32 {
     }
 }
 
-/// The lobes as they look from the query, weighted by what the normal leaves, and their total weight.
+/// The lobes as they look from the query, weighted by what the normal leaves, and their total
+/// weight.
 #[inline]
 fn aimed(m: &Mixture, query: &Query) -> ([Lobe; LOBES], f32) {
     let mut lobes = m.lobes;

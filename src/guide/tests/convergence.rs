@@ -51,7 +51,8 @@ fn trained(settings: Settings, batches: u32) -> (Trainer, f64) {
 
 #[test]
 fn divergence_falls_as_photons_grow() {
-    // A lobe is round and the lamp's image is an ellipse with an edge: the mixtures' error levels off.
+    // A lobe is round and the lamp's image is an ellipse with an edge: the mixtures' error levels
+    // off.
     for (model, step, goal) in [
         (ModelKind::Constant, 0.1, 0.6),
         (ModelKind::Vmf, 0.0, 0.5),
@@ -186,7 +187,8 @@ fn camera_paths_alone_learn_the_light_too() {
 
 #[test]
 fn mixtures_learn_in_the_dark_beside_bright_light() {
-    // Light from above is a hundred thousand times as bright as what comes from aside, beyond x = 0.7.
+    // Light from above is a hundred thousand times as bright as what comes from aside, beyond x =
+    // 0.7.
     let aside = Vec3::new(-0.8, 0.0, 0.6);
     let settings = Settings {
         model: ModelKind::Gauss,

@@ -61,7 +61,8 @@ fn damage_is_named() {
     assert!(error(&b).contains("checksum"));
 }
 
-/// Mutations with the checksum mended, so that they reach the parser: an error or a field that works.
+/// Mutations with the checksum mended, so that they reach the parser: an error or a field that
+/// works.
 #[test]
 fn no_mutation_of_a_file_panics() {
     let mut rng = Pcg32::new(77, 1);

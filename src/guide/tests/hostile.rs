@@ -200,7 +200,8 @@ fn cells_that_no_camera_meets_are_not_refined() {
     assert_eq!(level(Vec3::new(0.55, 0.55, 0.25)), 1);
 }
 
-/// Two cells' worth of truth: where the field is right the fraction rises, where it is wrong it falls.
+/// Two cells' worth of truth: where the field is right the fraction rises, where it is wrong it
+/// falls.
 #[test]
 fn fractions_learn_which_strategy_pays() {
     let mut t = Trainer::build(unit_box()).unwrap();

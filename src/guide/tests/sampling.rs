@@ -126,7 +126,8 @@ fn chi_square(model: ModelKind, product: Product, points: u32) {
         let local = field.at(x, normal, Rgb::new(0.2, 1.0, 0.6));
         worst = worst.max(chi_square_z(&local, 600_000, &mut rng));
     }
-    // One-sided 1 % over all points (Sidak, at most 12 points): z = 3.14; a 1 % wrong density fails.
+    // One-sided 1 % over all points (Sidak, at most 12 points): z = 3.14; a 1 % wrong density
+    // fails.
     assert!(worst < 3.2, "{model:?} {product:?}: {worst}");
 }
 

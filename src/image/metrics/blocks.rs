@@ -1,9 +1,10 @@
 //! Whether means over blocks of two images differ by more than their noise.
 //!
-//! Where paths are shared among pixels, the errors of neighbours go together, and the mean over a block is
-//! less sure than its pixels' variances say. An image with the layer `noise` (see [`crate::film::layers`]) tells
-//! by how much: that layer is as noisy as the image, at every scale, so the squares of its means over blocks,
-//! relative to what independent pixels would have, average to the factor that is missing.
+//! Where paths are shared among pixels, the errors of neighbours go together, and the mean over a
+//! block is less sure than its pixels' variances say. An image with the layer `noise` (see
+//! [`crate::film::layers`]) tells by how much: that layer is as noisy as the image, at every scale,
+//! so the squares of its means over blocks, relative to what independent pixels would have, average
+//! to the factor that is missing.
 
 use super::Pair;
 use crate::image::Image;
@@ -104,8 +105,8 @@ impl<'i> Blocks<'i> {
     }
 }
 
-/// Standard deviation of z of the means over blocks of `side` pixels: 1 where the noise explains the
-/// differences. `None` where there is no whole block, or no variance.
+/// Standard deviation of z of the means over blocks of `side` pixels: 1 where the noise explains
+/// the differences. `None` where there is no whole block, or no variance.
 pub fn deviation(pair: &Pair, known: [&KnownNoise; 2], side: usize) -> Option<f64> {
     let width = pair.width();
     let pictures = [pair.image(), pair.reference()];

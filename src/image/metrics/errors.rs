@@ -6,8 +6,9 @@
 //! | MSE | (I - R)^2; RMSE is its root |
 //! | relMSE | (I - R)^2 / (R^2 + 0.01), after Rousselle et al. 2011 |
 //!
-//! One speck can outweigh the rest of an image in all of them, relMSE most of all: the trimmed relMSE
-//! leaves out the worst 0.1 % of the pixels. What was left out is what [`super::fireflies`] counts.
+//! One speck can outweigh the rest of an image in all of them, relMSE most of all: the trimmed
+//! relMSE leaves out the worst 0.1 % of the pixels. What was left out is what [`super::fireflies`]
+//! counts.
 
 use super::Pair;
 
@@ -27,7 +28,8 @@ pub struct Errors {
     pub rel_mse: f64,
     /// The same without the worst 0.1 % of the pixels.
     pub rel_mse_trimmed: f64,
-    /// Mean of the image over mean of the reference, for red, green and blue. NaN where both are black.
+    /// Mean of the image over mean of the reference, for red, green and blue. NaN where both are
+    /// black.
     pub mean_ratio_rgb: [f64; 3],
     /// The same over all channels.
     pub mean_ratio: f64,
@@ -69,8 +71,8 @@ pub fn mse(pair: &Pair) -> f64 {
     sum / (3.0 * pair.image.len() as f64)
 }
 
-/// Peak signal-to-noise ratio in decibels, for numbers that span `data_range`; infinite where image and
-/// reference are the same.
+/// Peak signal-to-noise ratio in decibels, for numbers that span `data_range`; infinite where image
+/// and reference are the same.
 pub fn psnr(pair: &Pair, data_range: f64) -> f64 {
     10.0 * (data_range * data_range / mse(pair)).log10()
 }

@@ -2,11 +2,12 @@
 //!
 //! A [`Pair`] is an image and its reference, of one size and with finite numbers; each metric is a
 //! function of it. [`errors`] has the plain ones (L1, RMSE, relMSE, PSNR), [`ssim`] structural
-//! similarity, [`flip`] the difference that an eye sees when the two alternate, [`fireflies`] specks
-//! that the reference does not have, [`ztest`] whether the difference is what the noise explains.
+//! similarity, [`flip`] the difference that an eye sees when the two alternate, [`fireflies`]
+//! specks that the reference does not have, [`ztest`] whether the difference is what the noise
+//! explains.
 //!
-//! Most numbers are of linear light. [`Pair::shown`] is the same pair as a screen shows it, for metrics
-//! that know values from 0 to 1.
+//! Most numbers are of linear light. [`Pair::shown`] is the same pair as a screen shows it, for
+//! metrics that know values from 0 to 1.
 
 pub mod blocks;
 pub mod errors;
@@ -47,9 +48,9 @@ pub struct SizesDiffer {
 impl Pair {
     /// Pairs the colours of two images.
     ///
-    /// A pixel with a NaN or an infinity is taken as black, as most viewers show it: it counts as an
-    /// error and does not turn every number into NaN. Where the reference has one, nothing is known:
-    /// both are taken as black there.
+    /// A pixel with a NaN or an infinity is taken as black, as most viewers show it: it counts as
+    /// an error and does not turn every number into NaN. Where the reference has one, nothing is
+    /// known: both are taken as black there.
     ///
     /// # Errors
     /// When the sizes differ or there is no pixel.
@@ -83,8 +84,8 @@ impl Pair {
         Ok(pair)
     }
 
-    /// The pair as a screen shows it: times 2 to the power of `exposure`, cut to 0..1, with the sRGB
-    /// curve.
+    /// The pair as a screen shows it: times 2 to the power of `exposure`, cut to 0..1, with the
+    /// sRGB curve.
     pub fn shown(&self, exposure: f32) -> Self {
         let gain = exposure.exp2();
         let show = |list: &[Rgb]| {

@@ -1,9 +1,9 @@
 //! Structural similarity: Wang et al. 2004, *Image Quality Assessment: From Error Visibility to
 //! Structural Similarity*, in the variant that scikit-image computes by default.
 //!
-//! Means, variances and the covariance are of windows of 7 x 7 pixels, all of one weight; variances are
-//! those of a sample (divided by 48). Only windows that lie inside the image count. Each channel is
-//! compared by itself and the three results are averaged (`channel_axis=2`):
+//! Means, variances and the covariance are of windows of 7 x 7 pixels, all of one weight; variances
+//! are those of a sample (divided by 48). Only windows that lie inside the image count. Each
+//! channel is compared by itself and the three results are averaged (`channel_axis=2`):
 //!
 //! SSIM = (2 mx my + c1) (2 sxy + c2) / ((mx^2 + my^2 + c1) (sx^2 + sy^2 + c2)),
 //! c1 = (0.01 range)^2, c2 = (0.03 range)^2.
@@ -18,8 +18,8 @@ const SIDE: usize = 7;
 /// Numbers in a window.
 const COUNT: f64 = (SIDE * SIDE) as f64;
 
-/// Mean structural similarity, at most 1, of numbers that span `data_range` (1 for images as shown).
-/// `None` where the image is smaller than a window.
+/// Mean structural similarity, at most 1, of numbers that span `data_range` (1 for images as
+/// shown). `None` where the image is smaller than a window.
 pub fn ssim(pair: &Pair, data_range: f64) -> Option<f64> {
     let (width, height) = (pair.width(), pair.height());
     if width < SIDE || height < SIDE {
@@ -92,7 +92,8 @@ fn row(pair: &Pair, y: usize, c: [f64; 2]) -> f64 {
             *column = column.plus(Moments::of_pixel(*x, *r));
         }
     }
-    // Each window is summed anew: a running sum would carry the rounding of a bright lamp along the row.
+    // Each window is summed anew: a running sum would carry the rounding of a bright lamp along the
+    // row.
     columns
         .windows(SIDE)
         .map(|w| {

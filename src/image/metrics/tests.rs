@@ -1,5 +1,5 @@
-//! Agreement with numpy, scikit-image and FLIP's own program (`tests/vectors/metrics/metrics.py`), and
-//! what they leave open: numbers that are not finite, fireflies, variances.
+//! Agreement with numpy, scikit-image and FLIP's own program (`tests/vectors/metrics/metrics.py`),
+//! and what they leave open: numbers that are not finite, fireflies, variances.
 
 use super::blocks::KnownNoise;
 use super::errors::{Errors, psnr};
@@ -164,7 +164,8 @@ fn the_trimmed_error_does_not_see_a_speck() {
 
 #[test]
 fn fireflies_are_brighter_than_all_around_them() {
-    // A lamp of 10 in the middle column; specks beside it may be its blur, those further off are not.
+    // A lamp of 10 in the middle column; specks beside it may be its blur, those further off are
+    // not.
     let mut reference = vec![0.1; 35];
     for y in 0..5 {
         reference[y * 7 + 3] = 10.0;
@@ -195,8 +196,8 @@ fn by_variance(pair: &Pair, variance: &[Rgb], of_reference: &[Rgb]) -> Option<ZT
     ztest(pair, [&known[0], &known[1]])
 }
 
-/// Noise that four pixels in a row share: means over blocks are as unsure as the layer `noise` tells, and would
-/// seem far too sure without it.
+/// Noise that four pixels in a row share: means over blocks are as unsure as the layer `noise`
+/// tells, and would seem far too sure without it.
 #[test]
 fn blocks_are_as_unsure_as_the_noise_of_neighbours_makes_them() {
     let mut rng = Pcg32::new(6, 5);
@@ -222,7 +223,8 @@ fn blocks_are_as_unsure_as_the_noise_of_neighbours_makes_them() {
         let test = ztest(&pair, [&known, &exact]).unwrap();
         test.deviations.map(|d| d.expect("there are blocks"))
     };
-    // 768 means over blocks of 16 x 16 pixels: their deviation is known to 2.6 %, the factor to 5 %.
+    // 768 means over blocks of 16 x 16 pixels: their deviation is known to 2.6 %, the factor to 5
+    // %.
     let [one, four, sixteen] = deviations(Some(noise));
     assert!((one - 1.0).abs() < 0.02, "{one}");
     assert!((four - 1.0).abs() < 0.05, "{four}");

@@ -5,7 +5,8 @@ use crate::image::curve::srgb_to_linear;
 use crate::math::{Rgb, luminance};
 
 /// Where the image is too bright (red) and too dark (blue): the difference of the luminances over
-/// sqrt(R^2 + 0.01), whose square is what relMSE adds up. Full colour is a difference of 1 and more.
+/// sqrt(R^2 + 0.01), whose square is what relMSE adds up. Full colour is a difference of 1 and
+/// more.
 pub fn difference(pair: &Pair) -> Vec<Rgb> {
     let pixels = pair.image.iter().zip(&pair.reference);
     pixels

@@ -1,10 +1,10 @@
 //! Whether two images differ by more than their noise.
 //!
-//! With the variances of both means known, z = (I - R) / sqrt(var I + var R) of every number follows
-//! the standard normal distribution if both estimate the same: 99.9 % of them lie within 3.29. Fewer
-//! say that one image is biased, or that a pixel's few samples do not know their own variance yet (the
-//! rare bright path that was not found is missing in both): below some hundred samples a pixel expect
-//! a little less than 0.999 where light is hard to find.
+//! With the variances of both means known, z = (I - R) / sqrt(var I + var R) of every number
+//! follows the standard normal distribution if both estimate the same: 99.9 % of them lie within
+//! 3.29. Fewer say that one image is biased, or that a pixel's few samples do not know their own
+//! variance yet (the rare bright path that was not found is missing in both): below some hundred
+//! samples a pixel expect a little less than 0.999 where light is hard to find.
 
 use super::Pair;
 use super::blocks::{self, KnownNoise, rounding_of};
@@ -21,19 +21,20 @@ pub const SCALES: [usize; 3] = [1, 4, 16];
 pub struct ZTest {
     /// Share of the numbers (pixels times channels) within [`BAND`]; 0.999 is expected.
     pub inside: f64,
-    /// z of the whole image's mean, for red, green and blue: a bias that no pixel shows adds up here.
-    /// NaN without any variance.
+    /// z of the whole image's mean, for red, green and blue: a bias that no pixel shows adds up
+    /// here. NaN without any variance.
     pub of_mean: [f64; 3],
-    /// Standard deviation of z of pixels and of means over blocks, for the sides [`SCALES`]: 1 is expected.
-    /// `None` where the image has no whole block.
+    /// Standard deviation of z of pixels and of means over blocks, for the sides [`SCALES`]: 1 is
+    /// expected. `None` where the image has no whole block.
     pub deviations: [Option<f64>; SCALES.len()],
 }
 
 /// Tests the pair by what the image and the reference know of their noise.
 ///
 /// Pictures of 16-bit floats are rounded by up to 2^-11 of the value, which is 2^-22 / 3 of its
-/// square as a variance: that is added where every number of a picture is such a float. Numbers whose
-/// variances are not finite are left out. `None` if the variances are of another size, or all left out.
+/// square as a variance: that is added where every number of a picture is such a float. Numbers
+/// whose variances are not finite are left out. `None` if the variances are of another size, or all
+/// left out.
 pub fn ztest(pair: &Pair, known: [&KnownNoise; 2]) -> Option<ZTest> {
     let pixels = pair.image.len();
     let [variance, reference_variance] = known.map(|k| &k.variance[..]);

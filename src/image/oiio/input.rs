@@ -10,7 +10,8 @@ use std::ptr::{self, NonNull};
 #[derive(Debug)]
 pub struct Input(NonNull<ffi::Input>);
 
-// SAFETY: an ImageInput may be used by any thread, one at a time (`&mut self`, or reads of its spec).
+// SAFETY: an ImageInput may be used by any thread, one at a time (`&mut self`, or reads of its
+// spec).
 unsafe impl Send for Input {}
 
 impl Drop for Input {
@@ -143,8 +144,8 @@ impl Input {
         })
     }
 
-    /// Reads rows `y0..y1` of channels `c0..c1` as `pixel_type` into `data`, whose size must fit (the
-    /// shim checks).
+    /// Reads rows `y0..y1` of channels `c0..c1` as `pixel_type` into `data`, whose size must fit
+    /// (the shim checks).
     pub fn rows(
         &mut self,
         rows: std::ops::Range<u32>,

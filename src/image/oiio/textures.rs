@@ -12,7 +12,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 #[derive(Debug)]
 pub struct TextureSystem {
     raw: NonNull<ffi::Textures>,
-    /// Never used twice in a process, so that a thread cannot take another system's record for its own.
+    /// Never used twice in a process, so that a thread cannot take another system's record for its
+    /// own.
     id: u64,
 }
 
@@ -20,8 +21,8 @@ pub struct TextureSystem {
 #[derive(Clone, Copy, Debug)]
 pub struct Handle(NonNull<ffi::Texture>);
 
-// SAFETY: OpenImageIO's TextureSystem is made for many threads; handles are names that never go stale
-// before the system does.
+// SAFETY: OpenImageIO's TextureSystem is made for many threads; handles are names that never go
+// stale before the system does.
 unsafe impl Send for TextureSystem {}
 // SAFETY: as above.
 unsafe impl Sync for TextureSystem {}
@@ -161,8 +162,8 @@ impl TextureSystem {
         bad == 0
     }
 
-    /// OpenImageIO's own filtered look-up of stored values: for what is stored linearly, or to compare
-    /// with. False if the file cannot be read.
+    /// OpenImageIO's own filtered look-up of stored values: for what is stored linearly, or to
+    /// compare with. False if the file cannot be read.
     pub fn lookup(&self, texture: Handle, lookup: &Lookup, result: &mut [f32]) -> bool {
         let raw = ffi::Lookup {
             s: lookup.st[0],
@@ -177,7 +178,8 @@ impl TextureSystem {
             wrap_t: lookup.wrap[1],
             nearest: lookup.nearest as i32,
         };
-        // SAFETY: the system lives, `texture` is one of its, `result` has room for `channels` floats.
+        // SAFETY: the system lives, `texture` is one of its, `result` has room for `channels`
+        // floats.
         let bad = unsafe {
             ffi::twt_texture_lookup(
                 self.raw.as_ptr(),

@@ -1,5 +1,5 @@
-//! Files that lie, files that end early, places that cannot be written: errors in words, and no file
-//! but the old one.
+//! Files that lie, files that end early, places that cannot be written: errors in words, and no
+//! file but the old one.
 
 use super::*;
 

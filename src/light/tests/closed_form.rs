@@ -4,7 +4,8 @@ use super::scenes::*;
 use super::*;
 use std::f32::consts::PI;
 
-/// Irradiance at `p` on a surface with normal `n`, red channel, and the standard error of the estimate.
+/// Irradiance at `p` on a surface with normal `n`, red channel, and the standard error of the
+/// estimate.
 fn irradiance(lights: &Lights, p: Vec3, n: Vec3, draws: usize) -> (f64, f64) {
     let mut rng = Pcg32::new(11, 5);
     let (mut sum, mut squares) = (0.0, 0.0);

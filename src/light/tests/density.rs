@@ -9,7 +9,8 @@ const COLUMNS: usize = 48;
 const ROWS: usize = 24;
 /// Draws of a chi-square test.
 const DRAWS: usize = 100_000;
-/// Points on each side of a bin at which the density is integrated: where it is smooth and where it is not.
+/// Points on each side of a bin at which the density is integrated: where it is smooth and where it
+/// is not.
 const FINE: [usize; 2] = [12, 100];
 
 fn bin(dir: Vec3) -> usize {
@@ -38,7 +39,8 @@ fn mean_over_bin(setup: &Setup, p: Vec3, n: Vec3, i: usize, fine: usize) -> (f64
     (mean, (squares / count - mean * mean).max(0.0).sqrt())
 }
 
-/// Expected share of each bin, from the density, and the standard error of that (at most: the points are stratified).
+/// Expected share of each bin, from the density, and the standard error of that (at most: the
+/// points are stratified).
 fn shares(setup: &Setup, p: Vec3, n: Vec3, counts: &[u32]) -> Vec<[f64; 2]> {
     let size = 4.0 * std::f64::consts::PI / (ROWS * COLUMNS) as f64;
     (0..ROWS * COLUMNS)
@@ -55,7 +57,8 @@ fn shares(setup: &Setup, p: Vec3, n: Vec3, counts: &[u32]) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Compares draws with the density by chi-square, and each draw's own density with the one `pdf_*` gives.
+/// Compares draws with the density by chi-square, and each draw's own density with the one `pdf_*`
+/// gives.
 fn check(name: &str, setup: &Setup, p: Vec3, n: Vec3) {
     let mut counts = vec![0u32; ROWS * COLUMNS];
     let mut rng = Pcg32::new(7, 2);

@@ -74,7 +74,8 @@ fn others() -> Vec<(&'static str, Emitter, f32)> {
         beam_degrees,
         texture: None,
     };
-    // Integral of 2 pi sin(t) over the beam, and of the same times (cutoff - t) / (cutoff - beam) beyond it.
+    // Integral of 2 pi sin(t) over the beam, and of the same times (cutoff - t) / (cutoff - beam)
+    // beyond it.
     let (c, b) = (40f32.to_radians(), 20f32.to_radians());
     let falling = ((c - b) * b.cos() + b.sin() - c.sin()) / (c - b);
     vec![
@@ -207,7 +208,8 @@ fn photons_and_sampling_find_the_same_irradiance() {
     compare_flux("shapes", &setup(shapes, vec![]), p, Vec3::Z);
 }
 
-/// Directions leave a surface by the cosine: the mean of the cosine is 2/3, of its square 1/2, around the normal.
+/// Directions leave a surface by the cosine: the mean of the cosine is 2/3, of its square 1/2,
+/// around the normal.
 #[test]
 fn surfaces_shine_by_the_cosine() {
     let s = setup(vec![(strewn(20, 0.4, 2), grey(1.0))], vec![]);
@@ -253,7 +255,8 @@ fn photons_from_afar_are_the_light_that_arrives() {
     }
 }
 
-/// All that leave pass the ball that they are sent to. A far point sends what falls on it: I 2 pi (1 - sqrt(1 - (r / d)^2)).
+/// All that leave pass the ball that they are sent to. A far point sends what falls on it: I 2 pi
+/// (1 - sqrt(1 - (r / d)^2)).
 #[test]
 fn photons_from_afar_arrive() {
     let radius = BOUNDS.radius() * 1.001;
@@ -291,7 +294,8 @@ fn a_far_light_is_chosen_by_what_it_sends_here() {
         let e = s.lights.emit(numbers(&mut rng)).unwrap();
         of_far += f64::from(e.emitter) / f64::from(draws);
     }
-    // A ball of radius r at a distance d takes pi r^2 / d^2, and the disk faces it: 10 pi 3^2 of that, beside pi pi.
+    // A ball of radius r at a distance d takes pi r^2 / d^2, and the disk faces it: 10 pi 3^2 of
+    // that, beside pi pi.
     let angle = f64::from(BOUNDS.radius()).powi(2) / 1600.0;
     let expected = 90.0 * angle / (90.0 * angle + 1.0);
     assert!(

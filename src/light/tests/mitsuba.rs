@@ -48,7 +48,8 @@ fn environment_maps() {
             "{dir}: {radiance} instead of {expected}"
         );
         let pdf = lights.environment_pdf(Vec3::ZERO, Vec3::ZERO, dir).1;
-        // Ours has a little more weight in the rows at the poles and a trace of the largest channel.
+        // Ours has a little more weight in the rows at the poles and a trace of the largest
+        // channel.
         let polar = dir.dot(environment_pole()).abs() > 0.9;
         let allowed = if polar { 0.5 } else { 2e-3 };
         assert!(
@@ -64,7 +65,8 @@ fn environment_pole() -> Vec3 {
     Mat3::from_cols_slice(&lines("turn")[0]).y_axis
 }
 
-/// Each sample's density and radiance, looked up again, are the sample's; and their ratio integrates to the map's power.
+/// Each sample's density and radiance, looked up again, are the sample's; and their ratio
+/// integrates to the map's power.
 #[test]
 fn environment_samples() {
     let lights = environment();

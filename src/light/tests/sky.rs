@@ -49,7 +49,8 @@ fn sun_and_sky_are_mitsubas() {
         let expected = Rgb::new(v[8], v[9], v[10]).max(Rgb::ZERO);
         let difference = (lights.environment(dir) - expected).abs().max_element();
         if dir == Vec3::new(v[2], v[3], v[4]) {
-            // A sun dimmed below a hundredth of what it is in the zenith counts by what it could be.
+            // A sun dimmed below a hundredth of what it is in the zenith counts by what it could
+            // be.
             worst_sun = worst_sun.max(difference / expected.max_element().max(200.0));
         } else {
             worst_sky = worst_sky.max(difference / expected.max_element().max(1e-6));
@@ -86,7 +87,8 @@ fn a_sun_of_any_size_has_the_same_power() {
     }
 }
 
-/// Mitsuba 0.x has +y up; a turned emitter turns the sky; a stretched one reaches below the horizon.
+/// Mitsuba 0.x has +y up; a turned emitter turns the sky; a stretched one reaches below the
+/// horizon.
 #[test]
 fn orientation_and_stretch() {
     let sun = Vec3::new(0.3, 0.5, 0.6).normalize();

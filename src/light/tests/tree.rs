@@ -135,7 +135,8 @@ fn probabilities_of_leaves() {
     }
 }
 
-/// Importance is 0 only where nothing can arrive: no group hides a light of its own that shines on the point.
+/// Importance is 0 only where nothing can arrive: no group hides a light of its own that shines on
+/// the point.
 #[test]
 fn groups_never_hide_a_light() {
     let s = many(500);
@@ -159,7 +160,8 @@ fn groups_never_hide_a_light() {
     assert!(checked > 10_000);
 }
 
-/// Lights in one place, equal lights, and a chain that splits badly all make a tree within its depth.
+/// Lights in one place, equal lights, and a chain that splits badly all make a tree within its
+/// depth.
 #[test]
 fn degenerate_arrangements_build() {
     let same = vec![Cluster::ball(Vec3::ONE, 0.0, 1.0); 1000];

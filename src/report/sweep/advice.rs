@@ -1,9 +1,9 @@
 //! What to use for a draft, a normal and a final render, and what each costs.
 //!
-//! A purpose is a noise that it may have: the root of the relMSE without the worst pixels, which is what
-//! `--noise` asks for. The cost is the time until a configuration's median curve gets there. Where several
-//! get there as fast, as far as the rounds can tell, the one that stands first in the plan is recommended:
-//! plans begin with what is simple.
+//! A purpose is a noise that it may have: the root of the relMSE without the worst pixels, which is
+//! what `--noise` asks for. The cost is the time until a configuration's median curve gets there.
+//! Where several get there as fast, as far as the rounds can tell, the one that stands first in the
+//! plan is recommended: plans begin with what is simple.
 
 use super::Sweep;
 use super::curve::Curve;
@@ -28,7 +28,8 @@ pub struct Advice {
     pub name: String,
     /// Seconds of building, learning and rendering.
     pub seconds: f64,
-    /// Whether runs got that far; otherwise the time is what the last point of the curve lets expect.
+    /// Whether runs got that far; otherwise the time is what the last point of the curve lets
+    /// expect.
     pub measured: bool,
     /// Whether the reference is clean enough to tell.
     pub certain: bool,
@@ -52,8 +53,8 @@ pub fn of(sweep: &Sweep, findings: &[Finding]) -> Vec<Advice> {
     PURPOSES.iter().filter_map(advice).collect()
 }
 
-/// The configuration that comes down to the error `goal` first, or one that stands before it in the plan
-/// and is not clearly slower; when, and whether that was measured.
+/// The configuration that comes down to the error `goal` first, or one that stands before it in the
+/// plan and is not clearly slower; when, and whether that was measured.
 fn choose(sweep: &Sweep, findings: &[Finding], goal: f64) -> Option<(String, f64, bool)> {
     let times = findings.iter().filter_map(|f| {
         let (seconds, measured) = f.curve.time_to(goal)?;

@@ -54,8 +54,8 @@ impl Curve {
         Some(left[1] * (right[1] / left[1]).powf(along))
     }
 
-    /// The error at a time, or where the curve begins if that is later; beyond its end it is assumed to
-    /// halve as time doubles, as the error of independent samples does.
+    /// The error at a time, or where the curve begins if that is later; beyond its end it is
+    /// assumed to halve as time doubles, as the error of independent samples does.
     pub fn expected(&self, seconds: f64) -> Option<f64> {
         let (start, end) = (self.0.first()?, self.end()?);
         let seconds = seconds.max(start[0]);
@@ -77,8 +77,8 @@ impl Curve {
         Some((a[0] * (b[0] / a[0]).powf(along), true))
     }
 
-    /// The median of curves, from where all have begun to where the first ends; a single point where one
-    /// ends before another begins.
+    /// The median of curves, from where all have begun to where the first ends; a single point
+    /// where one ends before another begins.
     pub fn median(curves: &[Curve]) -> Self {
         let starts = curves.iter().filter_map(|c| Some(c.0.first()?[0]));
         let ends = curves.iter().filter_map(|c| Some(c.end()?[0]));

@@ -1,9 +1,10 @@
 //! What each configuration came to: its error, its cost and its speed beside the first one's.
 //!
-//! Every configuration is run several times with other seeds, and runs of one round stand close together
-//! in time. So a run is compared with the first configuration's run of the same round, at one and the same
-//! time: the ratio of the errors is the ratio of the speeds, for the error of a mean halves as its samples
-//! double. A difference is called clear when all rounds, two at least, agree about it.
+//! Every configuration is run several times with other seeds, and runs of one round stand close
+//! together in time. So a run is compared with the first configuration's run of the same round, at
+//! one and the same time: the ratio of the errors is the ratio of the speeds, for the error of a
+//! mean halves as its samples double. A difference is called clear when all rounds, two at least,
+//! agree about it.
 
 use super::Sweep;
 use super::curve::{Curve, median};
@@ -23,13 +24,15 @@ pub struct Finding {
     pub failures: usize,
     /// Error over time.
     pub curve: Curve,
-    /// relMSE without the worst 0.1 % of the pixels, at the common time or after learning, if that is later.
+    /// relMSE without the worst 0.1 % of the pixels, at the common time or after learning, if that
+    /// is later.
     pub error: f64,
     /// The smallest and the largest of its runs.
     pub error_range: [f64; 2],
     /// relMSE of all pixels at the end.
     pub relmse: f64,
-    /// How much faster it gets to the same error than the first configuration; 1 for that one itself.
+    /// How much faster it gets to the same error than the first configuration; 1 for that one
+    /// itself.
     pub speed: Option<Speed>,
     /// Samples a pixel at the end.
     pub spp: f64,
@@ -58,7 +61,8 @@ pub struct Speed {
     pub clear: bool,
 }
 
-/// The finding of the configuration `name`, at the common time `seconds`. `None` without measurements.
+/// The finding of the configuration `name`, at the common time `seconds`. `None` without
+/// measurements.
 pub(super) fn finding(sweep: &Sweep, name: &str, seconds: f64) -> Option<Finding> {
     let runs: Vec<_> = sweep.runs_of(name).collect();
     let curves: Vec<Curve> = runs

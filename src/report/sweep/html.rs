@@ -16,7 +16,8 @@ pub fn escape(text: &str) -> String {
     escaped
 }
 
-/// A table that scrolls by itself where it is too wide. Cells are HTML; the first of a row is its name.
+/// A table that scrolls by itself where it is too wide. Cells are HTML; the first of a row is its
+/// name.
 pub fn table(label: &str, head: &[&str], rows: &[Vec<String>]) -> String {
     let heads: String = head
         .iter()

@@ -71,8 +71,8 @@ pub enum Clock {
     /// That of the wall: what one waits.
     #[default]
     Wall,
-    /// That which the processors spent on a run, over its threads: what one would wait at the least if
-    /// nothing else ran. It favours work that only some of the threads take part in.
+    /// That which the processors spent on a run, over its threads: what one would wait at the least
+    /// if nothing else ran. It favours work that only some of the threads take part in.
     Processors,
 }
 

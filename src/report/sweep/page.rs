@@ -1,5 +1,5 @@
-//! `index.html`: the template beside this file, filled in. One file, which needs no network and no other
-//! file beside it.
+//! `index.html`: the template beside this file, filled in. One file, which needs no network and no
+//! other file beside it.
 
 use super::analysis::Findings;
 use super::html::{escape, table};
@@ -210,7 +210,8 @@ fn choices(pictures: &Pictures) -> String {
     all.map(option).collect()
 }
 
-/// The two images of the slider: before anything is chosen, the first configuration and the reference.
+/// The two images of the slider: before anything is chosen, the first configuration and the
+/// reference.
 fn slider(pictures: &Pictures) -> String {
     let left = pictures.list.first().unwrap_or(&pictures.reference);
     let right = &pictures.reference;

@@ -40,8 +40,8 @@ pub struct Picture {
 }
 
 impl Pictures {
-    /// Draws the configurations that matter: the first, the unguided, those that are recommended, the best
-    /// and the worst. `image` finds the last image of a configuration.
+    /// Draws the configurations that matter: the first, the unguided, those that are recommended,
+    /// the best and the worst. `image` finds the last image of a configuration.
     pub fn of(
         sweep: &Sweep,
         findings: &Findings,
@@ -99,7 +99,8 @@ fn names(sweep: &Sweep, findings: &Findings) -> Vec<String> {
     names
 }
 
-/// The error that an image has by itself, as its variance layer tells: relMSE without the worst pixels.
+/// The error that an image has by itself, as its variance layer tells: relMSE without the worst
+/// pixels.
 pub fn own_error(image: &Image) -> Option<f64> {
     let variances = KnownNoise::of(image)?.variance;
     let colors = image.rgb();

@@ -1,7 +1,7 @@
 //! Curves drawn as SVG on log axes.
 //!
-//! Colours are those of the page's style sheet, which knows light and dark: what is written here are names
-//! for them, which the style sheet looks for.
+//! Colours are those of the page's style sheet, which knows light and dark: what is written here
+//! are names for them, which the style sheet looks for.
 
 use plotters::coord::combinators::IntoLogRange;
 use plotters::prelude::*;
@@ -45,8 +45,8 @@ pub struct Line<'a> {
     pub dots: bool,
 }
 
-/// A drawing of `size` pixels with a name for those who do not see it; `None` where there is nothing to
-/// draw.
+/// A drawing of `size` pixels with a name for those who do not see it; `None` where there is
+/// nothing to draw.
 pub fn log_log(size: (u32, u32), name: &str, lines: &[Line]) -> Option<String> {
     let all = || lines.iter().flat_map(|l| l.points);
     let (x, y) = (range(all().map(|p| p[0]))?, range(all().map(|p| p[1]))?);
@@ -54,7 +54,8 @@ pub fn log_log(size: (u32, u32), name: &str, lines: &[Line]) -> Option<String> {
     // Drawing into a string cannot fail.
     draw(&mut svg, size, (x, y), lines).ok()?;
     let label = super::html::escape(name);
-    // Inside a page its name space is known, and a page without addresses is seen to need no network.
+    // Inside a page its name space is known, and a page without addresses is seen to need no
+    // network.
     let svg = svg.replacen(" xmlns=\"http://www.w3.org/2000/svg\"", "", 1);
     Some(svg.replacen(
         "<svg ",

@@ -4,9 +4,9 @@
 
 use crate::math::Rgb;
 
-/// Indices of refraction of dielectrics at the sodium D line (589.3 nm) and room temperature, as given in
-/// the usual references (CRC Handbook; Hecht, Optics; glass makers' data sheets) and listed in Mitsuba's
-/// documentation of `dielectric`.
+/// Indices of refraction of dielectrics at the sodium D line (589.3 nm) and room temperature, as
+/// given in the usual references (CRC Handbook; Hecht, Optics; glass makers' data sheets) and
+/// listed in Mitsuba's documentation of `dielectric`.
 const DIELECTRICS: [(&str, f32); 23] = [
     ("vacuum", 1.0),
     ("helium", 1.000_036),
@@ -33,7 +33,8 @@ const DIELECTRICS: [(&str, f32); 23] = [
     ("diamond", 2.419),
 ];
 
-/// Index of refraction of a dielectric by name; upper and lower case are the same, `-` and `_` stand for a blank.
+/// Index of refraction of a dielectric by name; upper and lower case are the same, `-` and `_`
+/// stand for a blank.
 ///
 /// ```
 /// assert_eq!(twintree::scene::import::ior::dielectric("BK7"), Some(1.5046));
@@ -49,8 +50,8 @@ pub fn dielectric_names() -> impl Iterator<Item = &'static str> {
     DIELECTRICS.iter().map(|&(name, _)| name)
 }
 
-/// Complex index of refraction of a conductor: (eta, k) as linear sRGB. `none` is a perfect mirror, (0, 1).
-/// `_palik` behind a name is accepted.
+/// Complex index of refraction of a conductor: (eta, k) as linear sRGB. `none` is a perfect mirror,
+/// (0, 1). `_palik` behind a name is accepted.
 pub fn conductor(name: &str) -> Option<(Rgb, Rgb)> {
     let name = name.trim();
     if name.eq_ignore_ascii_case("none") {
@@ -67,8 +68,8 @@ pub fn conductor_names() -> impl Iterator<Item = &'static str> {
 }
 
 /// Name, eta, k. Measured curves (luxpop.com's collection: Palik, "Handbook of Optical Constants of
-/// Solids"; CXRO; SOPRA), integrated to linear sRGB under D65 as [`super::spectrum`] does; the triples are
-/// those that Mitsuba 3.9.1 shows in its RGB mode.
+/// Solids"; CXRO; SOPRA), integrated to linear sRGB under D65 as [`super::spectrum`] does; the
+/// triples are those that Mitsuba 3.9.1 shows in its RGB mode.
 #[rustfmt::skip]
 const CONDUCTORS: &[(&str, [f32; 3], [f32; 3])] = &[
     ("a-C", [2.944, 2.2271, 1.9682], [0.88746, 0.7993, 0.81529]),

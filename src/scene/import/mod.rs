@@ -36,7 +36,8 @@ impl std::fmt::Display for Location {
 
 /// Something in a scene or mesh that cannot be used.
 ///
-/// Displayed as `file:line:column: what is wrong` (or `file: what is wrong`), followed by what to do where that is known.
+/// Displayed as `file:line:column: what is wrong` (or `file: what is wrong`), followed by what to
+/// do where that is known.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub struct ImportError {
     /// Where, if a text file has the place.

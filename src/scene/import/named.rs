@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 /// Entries of a folder that are looked at for a hint.
 const MOST_ENTRIES: usize = 1000;
 
-/// The file that `name` stands for, in a file of `folder`: as it is written, without quotes around it,
-/// or with backslashes taken as slashes.
+/// The file that `name` stands for, in a file of `folder`: as it is written, without quotes around
+/// it, or with backslashes taken as slashes.
 pub(super) fn resolve(folder: &Path, name: &str) -> PathBuf {
     let plain = folder.join(name);
     let unquoted = name
@@ -19,8 +19,8 @@ pub(super) fn resolve(folder: &Path, name: &str) -> PathBuf {
     folder.join(unquoted.replace('\\', "/"))
 }
 
-/// What is said behind the name of a file that is missing: that there is one of the same name in other
-/// letters, or one in `folder` itself. Empty where there is neither.
+/// What is said behind the name of a file that is missing: that there is one of the same name in
+/// other letters, or one in `folder` itself. Empty where there is neither.
 pub(super) fn hint(path: &Path, folder: &Path) -> String {
     if path.exists() {
         return String::new();

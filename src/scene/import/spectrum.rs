@@ -1,13 +1,13 @@
 //! Spectra in scene files, turned into linear sRGB.
 //!
 //! The renderer works in three channels; scenes may give reflectances and light as curves over the
-//! wavelength. A curve is integrated against the CIE 1931 observer (`spectrum_tables`) to XYZ and then to linear
-//! sRGB. What the integral is normalised by depends on what the curve is:
+//! wavelength. A curve is integrated against the CIE 1931 observer (`spectrum_tables`) to XYZ and
+//! then to linear sRGB. What the integral is normalised by depends on what the curve is:
 //!
-//! * A **reflectance** (or an index of refraction) is seen under daylight: D65 weighs the integral, so
-//!   that a curve that is 1 everywhere is white, (1, 1, 1).
-//! * An **emission** is seen as it is: a curve that is 1 everywhere has luminance 1 and the slightly red
-//!   colour of equal energy, about (1.205, 0.948, 0.909).
+//! * A **reflectance** (or an index of refraction) is seen under daylight: D65 weighs the integral,
+//!   so that a curve that is 1 everywhere is white, (1, 1, 1).
+//! * An **emission** is seen as it is: a curve that is 1 everywhere has luminance 1 and the
+//!   slightly red colour of equal energy, about (1.205, 0.948, 0.909).
 //!
 //! These are the conventions of Mitsuba 3's RGB mode, with which the tests compare.
 
@@ -37,8 +37,8 @@ fn xyz_to_rgb(xyz: DVec3) -> Rgb {
     )
 }
 
-/// Integrates `curve` (a function of the wavelength in nm) to linear sRGB. Colours outside the gamut
-/// come out with negative channels.
+/// Integrates `curve` (a function of the wavelength in nm) to linear sRGB. Colours outside the
+/// gamut come out with negative channels.
 ///
 /// ```
 /// use twintree::scene::import::spectrum::{Weighting, integrate};
@@ -65,8 +65,8 @@ pub fn integrate(weighting: Weighting, curve: impl Fn(f64) -> f64) -> Rgb {
     xyz_to_rgb(xyz / norm)
 }
 
-/// Linear sRGB of a curve given by samples (wavelength in nm, value) of increasing wavelength, linear
-/// in between and 0 outside. Channels below 0 (out of gamut) are cut off.
+/// Linear sRGB of a curve given by samples (wavelength in nm, value) of increasing wavelength,
+/// linear in between and 0 outside. Channels below 0 (out of gamut) are cut off.
 pub fn sampled(weighting: Weighting, samples: &[(f64, f64)]) -> Rgb {
     integrate(weighting, |w| interpolate(samples, w)).max(Rgb::ZERO)
 }
@@ -160,8 +160,8 @@ mod tests {
         assert_eq!(interpolate(&[], 500.0), 0.0);
     }
 
-    /// Chromaticities (x, y) of black bodies: illuminant A is one of 2856 K (CIE 15:2004), the other is
-    /// Planck's locus at 6500 K.
+    /// Chromaticities (x, y) of black bodies: illuminant A is one of 2856 K (CIE 15:2004), the
+    /// other is Planck's locus at 6500 K.
     #[test]
     fn black_bodies_have_their_colour() {
         for (kelvin, x, y) in [(2856.0, 0.44758, 0.40745), (6500.0, 0.31352, 0.32363)] {

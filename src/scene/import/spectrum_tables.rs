@@ -1,7 +1,8 @@
 //! The standard tables behind spectrum to RGB conversion: what an eye sees, and what daylight is.
 //!
-//! Every 5 nm from 360 nm to 830 nm. Source: CIE 15:2004, tables T.4 (1931 standard observer, 2 degrees)
-//! and T.1 (standard illuminant D65, 100 at 560 nm); also published as CIE data sets 018 and 204.
+//! Every 5 nm from 360 nm to 830 nm. Source: CIE 15:2004, tables T.4 (1931 standard observer, 2
+//! degrees) and T.1 (standard illuminant D65, 100 at 560 nm); also published as CIE data sets 018
+//! and 204.
 
 /// First wavelength of the tables, nm.
 pub const FIRST_NM: f64 = 360.0;

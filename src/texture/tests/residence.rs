@@ -71,7 +71,8 @@ fn memory_disk_and_cache_give_the_same_numbers() {
     }
 }
 
-/// OpenImageIO averages stored values, ours are averages of linear ones: for linear files they agree.
+/// OpenImageIO averages stored values, ours are averages of linear ones: for linear files they
+/// agree.
 #[test]
 fn coarse_levels_of_linear_files_agree() {
     let dir = tempfile::tempdir().unwrap();

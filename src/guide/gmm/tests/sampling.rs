@@ -102,7 +102,8 @@ fn samples_match_their_density() {
     assert!(worst < 3.2, "{worst}");
 }
 
-/// Samples of one mixture against its density: the sphere cut by eight slices of z and eight sectors.
+/// Samples of one mixture against its density: the sphere cut by eight slices of z and eight
+/// sectors.
 fn deviation(local: &LocalMixture, samples: u32, rng: &mut Pcg32) -> f64 {
     let bin = |w: Vec3| {
         let slice = (((w.z + 1.0) * 4.0) as usize).min(7);

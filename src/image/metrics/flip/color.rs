@@ -3,7 +3,8 @@
 use crate::math::Rgb;
 use glam::Mat3;
 
-/// Linear sRGB to CIE XYZ, from the primaries and the white of the standard as the authors round them.
+/// Linear sRGB to CIE XYZ, from the primaries and the white of the standard as the authors round
+/// them.
 const TO_XYZ: Mat3 = Mat3::from_cols_array(&[
     10_135_552.0 / 24_577_794.0,
     2_613_072.0 / 12_288_897.0,
@@ -33,8 +34,8 @@ fn from_ycxcz(c: Rgb) -> Rgb {
     TO_XYZ.inverse() * (relative * (TO_XYZ * Rgb::ONE))
 }
 
-/// YCxCz to Lab with the Hunt effect (colour fades in the dark). Blurring can leave the cube of what a
-/// screen shows: cut back into it first.
+/// YCxCz to Lab with the Hunt effect (colour fades in the dark). Blurring can leave the cube of
+/// what a screen shows: cut back into it first.
 pub fn to_perceived(opponent: Rgb) -> Rgb {
     hunt_lab(from_ycxcz(opponent).clamp(Rgb::ZERO, Rgb::ONE))
 }
@@ -58,7 +59,8 @@ fn hunt_lab(linear: Rgb) -> Rgb {
     )
 }
 
-/// The HyAB distance (Abasi et al. 2020): lightness and chroma apart, for colours far from each other.
+/// The HyAB distance (Abasi et al. 2020): lightness and chroma apart, for colours far from each
+/// other.
 fn hyab(a: Rgb, b: Rgb) -> f32 {
     let d = a - b;
     d.x.abs() + d.y.hypot(d.z)

@@ -6,8 +6,8 @@
 use crate::math::Rgb;
 use rayon::prelude::*;
 
-/// Numerator and denominator of the curve, each from the square to the constant. The factor 0.6 that
-/// goes with the curve is multiplied in.
+/// Numerator and denominator of the curve, each from the square to the constant. The factor 0.6
+/// that goes with the curve is multiplied in.
 const CURVE: [[f32; 3]; 2] = [
     [0.6 * 0.6 * 2.51, 0.6 * 0.03, 0.0],
     [0.6 * 0.6 * 2.43, 0.6 * 0.59, 0.14],

@@ -1,8 +1,8 @@
 //! Edges and points, which the eye notices where their colours alone would not tell (section 4.2).
 //!
-//! The detectors are the first and the second derivative of a Gaussian as wide as the eye's receptive
-//! field. Their positive weights sum to 1 and their negative ones to -1. All four (edges and points
-//! along x and y) are products of filters of one dimension and go through them at once.
+//! The detectors are the first and the second derivative of a Gaussian as wide as the eye's
+//! receptive field. Their positive weights sum to 1 and their negative ones to -1. All four (edges
+//! and points along x and y) are products of filters of one dimension and go through them at once.
 
 use super::PIXELS_PER_DEGREE;
 use super::filter::separable;

@@ -1,9 +1,10 @@
-//! What the eye resolves: the contrast sensitivity of each opponent channel as a blur (section 4.1.1).
+//! What the eye resolves: the contrast sensitivity of each opponent channel as a blur (section
+//! 4.1.1).
 //!
 //! Each filter is a Gaussian, or two for blue and yellow, and a Gaussian of two dimensions is the
 //! product of two of one. So four numbers go through a row filter and a column filter at once: the
-//! three channels, and blue and yellow once more for its second Gaussian. Beyond the border the image
-//! goes on as its last pixel.
+//! three channels, and blue and yellow once more for its second Gaussian. Beyond the border the
+//! image goes on as its last pixel.
 
 use super::PIXELS_PER_DEGREE;
 use crate::math::Rgb;
@@ -11,8 +12,8 @@ use glam::{Vec4, Vec4Swizzles};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Weight and width (squared degrees) of each Gaussian: a and b of the paper's table 1. Lightness, red
-/// and green, blue and yellow, blue and yellow again.
+/// Weight and width (squared degrees) of each Gaussian: a and b of the paper's table 1. Lightness,
+/// red and green, blue and yellow, blue and yellow again.
 const GAUSSIANS: [[f64; 2]; 4] = [[1.0, 0.0047], [1.0, 0.0053], [34.1, 0.04], [13.5, 0.025]];
 /// The widest of them.
 const WIDEST: f64 = 0.04;

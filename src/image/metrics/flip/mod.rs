@@ -1,7 +1,7 @@
 //! FLIP: the difference that an eye sees when two images alternate on a screen, 0 to 1 a pixel.
 //!
-//! Andersson et al. 2020, *FLIP: A Difference Evaluator for Alternating Images*, and for high dynamic
-//! range Andersson et al. 2021, *Visualizing Errors in Rendered High Dynamic Range Images*.
+//! Andersson et al. 2020, *FLIP: A Difference Evaluator for Alternating Images*, and for high
+//! dynamic range Andersson et al. 2021, *Visualizing Errors in Rendered High Dynamic Range Images*.
 //!
 //! ```text
 //!  linear RGB --> YCxCz --blur by what the eye resolves--> Lab --distance--> colour error  Ec
@@ -10,9 +10,9 @@
 //!                                                              FLIP = Ec ^ (1 - Ef) <-------+
 //! ```
 //!
-//! The screen is the authors' default: 0.7 m wide, 3840 pixels, seen from 0.7 m. High dynamic range is
-//! shown at several exposures, and the largest difference counts. The numbers are those of the authors'
-//! program (the tests compare).
+//! The screen is the authors' default: 0.7 m wide, 3840 pixels, seen from 0.7 m. High dynamic range
+//! is shown at several exposures, and the largest difference counts. The numbers are those of the
+//! authors' program (the tests compare).
 
 mod color;
 mod exposure;

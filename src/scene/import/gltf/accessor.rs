@@ -1,4 +1,5 @@
-//! Accessors: arrays of numbers inside buffers, with strides, integer encodings and sparse overrides.
+//! Accessors: arrays of numbers inside buffers, with strides, integer encodings and sparse
+//! overrides.
 
 use super::container::Container;
 use super::error;
@@ -41,8 +42,8 @@ impl Component {
         }
     }
 
-    /// Numbers of `N` components at the start of `bytes`, which are long enough. Normalised integers
-    /// stand for fractions of their largest value (glTF 2.0, 3.6.2.2).
+    /// Numbers of `N` components at the start of `bytes`, which are long enough. Normalised
+    /// integers stand for fractions of their largest value (glTF 2.0, 3.6.2.2).
     #[inline]
     fn read<const N: usize>(self, bytes: &[u8], normalized: bool) -> [f32; N] {
         let size = self.size();

@@ -1,5 +1,5 @@
-//! Numbers of the file held to their range: what lies outside becomes the nearest that makes sense, and
-//! is told.
+//! Numbers of the file held to their range: what lies outside becomes the nearest that makes sense,
+//! and is told.
 
 use super::Importer;
 use crate::math::Rgb;

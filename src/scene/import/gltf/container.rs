@@ -1,4 +1,5 @@
-//! The bytes of a glTF file: JSON and buffers, from a `.gltf` with files beside it or from one `.glb`.
+//! The bytes of a glTF file: JSON and buffers, from a `.gltf` with files beside it or from one
+//! `.glb`.
 
 use super::meshopt::{self, Compression};
 use super::schema::{Buffer, BufferView, Document};
@@ -33,9 +34,9 @@ pub(super) struct Container {
 
 /// Bytes that may still be unpacked.
 ///
-/// A short file may ask for much: by compression, by accessors without bytes, by naming the same bytes
-/// again and again. What the buffers hold may be unpacked many times over (8-bit numbers become floats,
-/// and meshes share vertices); beyond that there is a limit.
+/// A short file may ask for much: by compression, by accessors without bytes, by naming the same
+/// bytes again and again. What the buffers hold may be unpacked many times over (8-bit numbers
+/// become floats, and meshes share vertices); beyond that there is a limit.
 struct Allowance {
     spent: AtomicU64,
     most: u64,
@@ -77,7 +78,8 @@ impl Container {
     /// Opens `path` and all its buffers.
     ///
     /// # Errors
-    /// When one of them cannot be read or is no glTF, or when it would unpack to more than `limit` lets pass.
+    /// When one of them cannot be read or is no glTF, or when it would unpack to more than `limit`
+    /// lets pass.
     pub fn open(path: &Path, limit: DecodeLimit) -> Result<Self, ImportError> {
         let file = map(path, path)?;
         let (json, binary) = match file.starts_with(MAGIC) {

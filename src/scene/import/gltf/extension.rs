@@ -4,8 +4,8 @@ use super::schema::{Extensions, TextureInfo};
 use crate::math::Rgb;
 use serde_json::Value;
 
-/// Extensions that are understood, if not always to the last of their parameters: what is left out of
-/// them is told where it is met.
+/// Extensions that are understood, if not always to the last of their parameters: what is left out
+/// of them is told where it is met.
 pub(super) const KNOWN: [&str; 18] = [
     "EXT_mesh_gpu_instancing",
     super::meshopt::NAME,

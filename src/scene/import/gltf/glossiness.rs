@@ -1,9 +1,9 @@
 //! `KHR_materials_pbrSpecularGlossiness`: a diffuse colour under facets of any colour.
 //!
-//! The extension's reflectance at normal incidence is the specular colour s, and the diffuse part is
-//! `diffuse (1 - max s)`. Here that is a share w of metal over a dielectric of reflectance d, at most
-//! 0.04: with `w = (max s - d) / (1 - d)` the diffuse part is what the dielectric leaves, and the metal's
-//! colour `(s - (1 - w) d) / w` makes the sum s.
+//! The extension's reflectance at normal incidence is the specular colour s, and the diffuse part
+//! is `diffuse (1 - max s)`. Here that is a share w of metal over a dielectric of reflectance d, at
+//! most 0.04: with `w = (max s - d) / (1 - d)` the diffuse part is what the dielectric leaves, and
+//! the metal's colour `(s - (1 - w) d) / w` makes the sum s.
 
 use super::extension::Extension;
 use super::materials::{Core, Metal};

@@ -35,7 +35,8 @@ fn ior_of(f0: f32) -> f32 {
 }
 
 impl Importer<'_> {
-    /// Reflectance and index of the dielectric part (`KHR_materials_ior`, `KHR_materials_specular`).
+    /// Reflectance and index of the dielectric part (`KHR_materials_ior`,
+    /// `KHR_materials_specular`).
     pub(super) fn dielectric(&mut self, material: &schema::Material, of: &str) -> (f32, f32) {
         let ior = Extension::of(&material.extensions, "KHR_materials_ior");
         let ior = ior.map_or(1.5, |e| e.number("ior", 1.5));
@@ -132,10 +133,10 @@ impl Importer<'_> {
         })
     }
 
-    /// What is left of light on its way through the volume that the surface encloses; `None` for thin
-    /// surfaces. The way is taken to be the file's thickness, whatever the ray's own (Beer and Lambert:
-    /// the colour to the power of the thickness over the distance); half of it, by the square root, is
-    /// paid at each crossing of the surface.
+    /// What is left of light on its way through the volume that the surface encloses; `None` for
+    /// thin surfaces. The way is taken to be the file's thickness, whatever the ray's own (Beer and
+    /// Lambert: the colour to the power of the thickness over the distance); half of it, by the
+    /// square root, is paid at each crossing of the surface.
     fn volume(&mut self, material: &schema::Material) -> Option<Rgb> {
         let volume = Extension::of(&material.extensions, "KHR_materials_volume")?;
         let thickness = volume.number("thicknessFactor", 0.0);

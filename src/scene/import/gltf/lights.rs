@@ -1,8 +1,8 @@
 //! Lights (`KHR_lights_punctual`) and cameras.
 //!
 //! Light is taken in the file's units: one candela is one unit of radiant intensity, one lux one of
-//! irradiance, as one nit of `KHR_materials_emissive_strength` is one of radiance. Pictures come out
-//! proportional to luminance; how bright they are shown is a matter of exposure.
+//! irradiance, as one nit of `KHR_materials_emissive_strength` is one of radiance. Pictures come
+//! out proportional to luminance; how bright they are shown is a matter of exposure.
 
 use super::schema::{Camera, Document};
 use super::{Importer, error};
@@ -22,7 +22,8 @@ const TURN: DMat3 = DMat3::from_cols(
     DVec3::new(0.0, 0.0, -1.0),
 );
 
-/// Place and directions of a node without its scale, in our orientation. `None` if it is squashed flat.
+/// Place and directions of a node without its scale, in our orientation. `None` if it is squashed
+/// flat.
 fn rigid(to_world: &DAffine3) -> Option<DAffine3> {
     let forward = to_world.matrix3.z_axis.try_normalize()?;
     let right = to_world.matrix3.y_axis.cross(forward).try_normalize()?;

@@ -6,9 +6,9 @@
 //! ```
 //!
 //! All models take the square of a perceptual roughness as the width of GGX facets, and 0.04 as the
-//! reflectance of a dielectric of index 1.5. Nothing is culled: opaque surfaces are the same from both
-//! sides, as light that bounces needs it. What glows does so on the front alone unless it is `doubleSided`.
-//! A transmitting surface without `KHR_materials_volume` is thin.
+//! reflectance of a dielectric of index 1.5. Nothing is culled: opaque surfaces are the same from
+//! both sides, as light that bounces needs it. What glows does so on the front alone unless it is
+//! `doubleSided`. A transmitting surface without `KHR_materials_volume` is thin.
 
 use super::extension::Extension;
 use super::primitive::{ALPHA, COLOR};

@@ -6,10 +6,10 @@
 //!                          +------ materials, layers, textures ------------------> Parts
 //! ```
 //!
-//! A mesh that stands in several places becomes a group with instances, unless it glows. Coordinates
-//! are kept: glTF is right-handed with +y up, as scenes are here. Row 0 of an image lies at v = 0 in
-//! both. What is not supported is told in a warning, once each; an extension that the file requires and
-//! that is not known is an error.
+//! A mesh that stands in several places becomes a group with instances, unless it glows.
+//! Coordinates are kept: glTF is right-handed with +y up, as scenes are here. Row 0 of an image
+//! lies at v = 0 in both. What is not supported is told in a warning, once each; an extension that
+//! the file requires and that is not known is an error.
 
 mod accessor;
 mod bounds;
@@ -53,8 +53,8 @@ pub struct GltfOptions {
 /// Adds what is in the file `path` to `parts`.
 ///
 /// # Errors
-/// When the file or one that it names cannot be read or makes no sense; textures that are missing are
-/// forgiven if [`ImportOptions::lenient`] is set.
+/// When the file or one that it names cannot be read or makes no sense; textures that are missing
+/// are forgiven if [`ImportOptions::lenient`] is set.
 pub fn load(
     path: &Path,
     gltf: &GltfOptions,

@@ -29,7 +29,8 @@ struct Places<'a> {
     standing: &'a Standing,
     /// Matrices of each node's skin.
     joints: Vec<Option<Vec<DAffine3>>>,
-    /// The group of each mesh that has one. Mirrored placements of a mesh with a normal map have another.
+    /// The group of each mesh that has one. Mirrored placements of a mesh with a normal map have
+    /// another.
     groups: Vec<[Option<u32>; 2]>,
 }
 

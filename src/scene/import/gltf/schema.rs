@@ -1,7 +1,7 @@
 //! The JSON of a glTF file, as the specification (version 2.0) names its parts.
 //!
-//! Everything is optional here, even what the specification requires: what is missing is noticed where
-//! it is needed, and the error then says for what.
+//! Everything is optional here, even what the specification requires: what is missing is noticed
+//! where it is needed, and the error then says for what.
 //!
 //! An own schema, because the crate `gltf` panics on indices out of range unless it validates, and
 //! refuses files for extensions it does not know (sheen, clearcoat) when it does.

@@ -27,7 +27,8 @@ struct Odd {
     none: usize,
 }
 
-/// Moves the vertices of `buffers` with `joints`, matrices to the world. Returns what is to be told.
+/// Moves the vertices of `buffers` with `joints`, matrices to the world. Returns what is to be
+/// told.
 pub(super) fn bend(
     accessors: Accessors,
     primitive: &Primitive,

@@ -40,7 +40,8 @@ struct File {
 }
 
 impl File {
-    /// With one node that holds mesh 0, whose primitive is a unit right triangle with corners 0, x, y.
+    /// With one node that holds mesh 0, whose primitive is a unit right triangle with corners 0, x,
+    /// y.
     fn triangle() -> Self {
         let mut file = Self {
             json: json!({

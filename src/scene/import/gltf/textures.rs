@@ -1,7 +1,8 @@
 //! Textures: images from files, data URIs and buffers, with their samplers and placements.
 //!
-//! The texture loader reads files; images inside the glTF file are put into a temporary directory that
-//! only this user can read, and that is gone when the import ends: by then their texels are loaded.
+//! The texture loader reads files; images inside the glTF file are put into a temporary directory
+//! that only this user can read, and that is gone when the import ends: by then their texels are
+//! loaded.
 
 use super::schema::TextureInfo;
 use super::{Importer, error};
@@ -56,8 +57,8 @@ fn wrap(code: Option<u32>) -> Wrap {
 
 /// The placement that `KHR_texture_transform` asks for.
 ///
-/// Offset * rotation * scale; a positive rotation turns coordinates counter-clockwise as they are seen
-/// on the image, whose v points down.
+/// Offset * rotation * scale; a positive rotation turns coordinates counter-clockwise as they are
+/// seen on the image, whose v points down.
 pub(super) fn placement(info: &TextureInfo) -> UvTransform {
     let Some(extension) = info.extensions.get("KHR_texture_transform") else {
         return UvTransform(Affine2::IDENTITY);
@@ -165,8 +166,8 @@ impl Importer<'_> {
         Ok(self.image_file(image)?.0)
     }
 
-    /// A texture laid as `info` says, of texels that were made from its image and a factor; `kind` tells
-    /// it from others.
+    /// A texture laid as `info` says, of texels that were made from its image and a factor; `kind`
+    /// tells it from others.
     pub(super) fn made(
         &mut self,
         info: &TextureInfo,
@@ -265,8 +266,8 @@ impl Importer<'_> {
 }
 
 impl Images {
-    /// Unpacks an image. Its name is always the same, since it helps to tell scenes apart; the name's
-    /// end tells readers the format.
+    /// Unpacks an image. Its name is always the same, since it helps to tell scenes apart; the
+    /// name's end tells readers the format.
     fn store(
         &mut self,
         index: usize,

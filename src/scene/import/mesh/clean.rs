@@ -119,8 +119,8 @@ fn check_positions(
     Ok(())
 }
 
-/// Drops triangles without area: exactly, by `f64` products of the `f32` positions, and those so small
-/// that their normal would vanish in `f32`.
+/// Drops triangles without area: exactly, by `f64` products of the `f32` positions, and those so
+/// small that their normal would vanish in `f32`.
 fn drop_degenerate(raw: &mut Raw, warnings: &mut Vec<String>) {
     let positions = &raw.positions;
     let least = f64::from(f32::MIN_POSITIVE);

@@ -1,9 +1,9 @@
 //! Smooth normals with creases (`max_smooth_angle`).
 //!
-//! Two triangles that share an edge are smooth across it if the angle between their normals is at most
-//! the given one. Around a vertex, triangles that are connected by smooth edges share a normal;
-//! otherwise the vertex is split. Vertices at the same position count as one when edges are matched,
-//! whatever the file did at seams, so the result depends on the surface alone.
+//! Two triangles that share an edge are smooth across it if the angle between their normals is at
+//! most the given one. Around a vertex, triangles that are connected by smooth edges share a
+//! normal; otherwise the vertex is split. Vertices at the same position count as one when edges are
+//! matched, whatever the file did at seams, so the result depends on the surface alone.
 
 use super::{Raw, normals};
 use crate::math::{DVec3, Vec3};

@@ -4,15 +4,15 @@
 //!  file --mapped--> bytes --obj, ply, serialized--> Raw --clean--> Mesh
 //! ```
 //!
-//! A reader (`obj`, `ply`, `stl`, `serialized`) only knows its format: it leaves a `Raw` mesh with positions
-//! already in world space (transformed in `f64`, then rounded once) and indices that are in range.
-//! `clean` makes of it what the renderer may rely on: finite positions, no triangle without area, unit
-//! normals. What it repairs it counts in [`Loaded::warnings`].
+//! A reader (`obj`, `ply`, `stl`, `serialized`) only knows its format: it leaves a `Raw` mesh with
+//! positions already in world space (transformed in `f64`, then rounded once) and indices that are
+//! in range. `clean` makes of it what the renderer may rely on: finite positions, no triangle
+//! without area, unit normals. What it repairs it counts in [`Loaded::warnings`].
 //!
-//! Which side is the front is decided here, once for all who ask (materials, lamps, photons, AOVs): the
-//! geometric normal follows the order of a triangle's corners in the finished mesh. That order is the
-//! file's, unless the file's own normals point to the other side: those win. A mirroring `to_world`
-//! changes nothing of it, as it changes nothing of exact shapes and of instances.
+//! Which side is the front is decided here, once for all who ask (materials, lamps, photons, AOVs):
+//! the geometric normal follows the order of a triangle's corners in the finished mesh. That order
+//! is the file's, unless the file's own normals point to the other side: those win. A mirroring
+//! `to_world` changes nothing of it, as it changes nothing of exact shapes and of instances.
 
 mod clean;
 mod crease;
@@ -158,7 +158,8 @@ pub fn read(
 /// What a file holds and no more: indices are in range, nothing else is certain.
 ///
 /// # Errors
-/// When the file cannot be opened or is not of the format, ends early, or names vertices that it does not have.
+/// When the file cannot be opened or is not of the format, ends early, or names vertices that it
+/// does not have.
 pub fn buffers(path: &Path, kind: MeshKind, options: &MeshOptions) -> Result<Buffers, ImportError> {
     let raw = raw(&open(path)?, kind, options, path)?;
     Ok(Buffers {
@@ -209,15 +210,16 @@ fn raw(
     }
 }
 
-/// A mesh in memory: as a reader of another format has it, in object space and with indices not checked, or
-/// as [`buffers`] leaves it.
+/// A mesh in memory: as a reader of another format has it, in object space and with indices not
+/// checked, or as [`buffers`] leaves it.
 #[derive(Debug, Default)]
 pub struct Buffers {
     /// Positions.
     pub positions: Vec<Vec3>,
     /// Normals of any length, one for each position.
     pub normals: Option<Vec<Vec3>>,
-    /// Tangents of any length and the side of the texture, one for each position; without normals they count for nothing.
+    /// Tangents of any length and the side of the texture, one for each position; without normals
+    /// they count for nothing.
     pub tangents: Option<Vec<Vec4>>,
     /// Texture coordinates, one for each position.
     pub uvs: Option<Vec<Vec2>>,

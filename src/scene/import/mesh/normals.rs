@@ -7,8 +7,8 @@ use crate::math::{DAffine3, DVec3, Vec3, Vec4};
 use rayon::prelude::*;
 use std::f32::consts::{FRAC_PI_2, PI};
 
-/// Triangles whose contributions are held at once. They are computed by all threads and added by one,
-/// in order: the same sums whatever the number of threads.
+/// Triangles whose contributions are held at once. They are computed by all threads and added by
+/// one, in order: the same sums whatever the number of threads.
 const BATCH: usize = 1 << 16;
 /// Items a thread takes at once.
 const GRAIN: usize = 1 << 12;
@@ -29,8 +29,8 @@ pub(super) fn unit(v: DVec3) -> Option<Vec3> {
 
 /// What a triangle adds to its three corners: its unit normal times the angle there.
 ///
-/// tan(angle) = |cross| / dot of the two sides, and the cross product has the same length at all three
-/// corners.
+/// tan(angle) = |cross| / dot of the two sides, and the cross product has the same length at all
+/// three corners.
 #[inline]
 pub(super) fn contributions(positions: &[Vec3], triangle: &[u32; 3]) -> [Vec3; 3] {
     let [a, b, c] = triangle.map(|i| positions[i as usize].as_dvec3());
@@ -53,9 +53,9 @@ pub(super) fn contributions(positions: &[Vec3], triangle: &[u32; 3]) -> [Vec3; 3
     })
 }
 
-/// The angle of the direction `(x, y)` from +x, for `y` not below 0: a polynomial for the arc tangent
-/// (Abramowitz and Stegun 4.4.49, error below 2e-8) between 0 and 1. The library's function took half
-/// of the time that meshes without normals needed to load.
+/// The angle of the direction `(x, y)` from +x, for `y` not below 0: a polynomial for the arc
+/// tangent (Abramowitz and Stegun 4.4.49, error below 2e-8) between 0 and 1. The library's function
+/// took half of the time that meshes without normals needed to load.
 #[inline]
 fn angle(y: f32, x: f32) -> f32 {
     const TERMS: [f32; 8] = [
@@ -120,8 +120,8 @@ pub(super) fn accumulate(
     sums
 }
 
-/// Normals of the file in world space: by the inverse transpose, of unit length, or zero where there
-/// is no direction in it.
+/// Normals of the file in world space: by the inverse transpose, of unit length, or zero where
+/// there is no direction in it.
 pub(super) fn transform(normals: Vec<Vec3>, to_world: &DAffine3) -> Vec<Vec3> {
     let matrix = to_world.matrix3.inverse().transpose();
     let to_unit = |n: Vec3| unit(matrix * n.as_dvec3()).unwrap_or(Vec3::ZERO);
@@ -132,7 +132,8 @@ pub(super) fn transform(normals: Vec<Vec3>, to_world: &DAffine3) -> Vec<Vec3> {
         .collect()
 }
 
-/// Unit tangents in world space; zero where the file gives none. A mirror turns the texture's side around.
+/// Unit tangents in world space; zero where the file gives none. A mirror turns the texture's side
+/// around.
 pub(super) fn tangents(mut list: Vec<Vec4>, to_world: &DAffine3) -> Vec<Vec4> {
     let mirror = to_world.matrix3.determinant().signum() as f32;
     list.par_iter_mut().with_min_len(GRAIN).for_each(|t| {
@@ -143,8 +144,8 @@ pub(super) fn tangents(mut list: Vec<Vec4>, to_world: &DAffine3) -> Vec<Vec4> {
     list
 }
 
-/// Replaces zero normals by the surface's own. Also how many vertices of triangles were repaired and
-/// the first of them, if any.
+/// Replaces zero normals by the surface's own. Also how many vertices of triangles were repaired
+/// and the first of them, if any.
 pub(super) fn repair(
     mut normals: Vec<Vec3>,
     positions: &[Vec3],

@@ -59,8 +59,8 @@ pub(super) fn triangles(
     Cut { triangles, warning }
 }
 
-/// Calls `emit` with the corners (numbers into `points`) of each triangle: `points.len() - 2` times,
-/// never for fewer than three points. False if the triangles may fold over.
+/// Calls `emit` with the corners (numbers into `points`) of each triangle: `points.len() - 2`
+/// times, never for fewer than three points. False if the triangles may fold over.
 fn triangulate(points: &[Vec3], mut emit: impl FnMut([usize; 3])) -> bool {
     let n = points.len();
     if n < 3 {
@@ -96,8 +96,8 @@ fn is_fan(points: &[Vec3]) -> bool {
 fn cut_ears(points: &[Vec3], mut emit: impl FnMut([usize; 3])) -> bool {
     let normal = newell(points);
     let mut ring: Vec<usize> = (0..points.len()).collect();
-    // Where an ear was cut, its neighbours often become ears: the search goes on there, and few corners
-    // are tried for each. A polygon that crosses itself may have none.
+    // Where an ear was cut, its neighbours often become ears: the search goes on there, and few
+    // corners are tried for each. A polygon that crosses itself may have none.
     let mut tries = TRIES_OF_CORNER * points.len();
     let (mut at, mut since) = (1, 0);
     while ring.len() > 3 && since < ring.len() && tries > 0 {

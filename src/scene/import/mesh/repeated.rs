@@ -1,8 +1,8 @@
 //! Triangles that stand exactly where another one of the mesh does.
 //!
-//! A few in a mesh do no harm. Where a thousandth of it and more lies in one place, every ray that comes
-//! there would meet them all, and light sampling would count each as a lamp of its own. Such a mesh shows
-//! in a sample of its triangles; only then all of them are compared.
+//! A few in a mesh do no harm. Where a thousandth of it and more lies in one place, every ray that
+//! comes there would meet them all, and light sampling would count each as a lamp of its own. Such
+//! a mesh shows in a sample of its triangles; only then all of them are compared.
 
 use super::Raw;
 use crate::math::Vec3;
@@ -10,8 +10,8 @@ use crate::math::rng::hash_all;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
-/// Triangles in the sample. Of k triangles in one place among n it holds two or more almost certainly
-/// where k / n is a thousandth: about (4096 k / n)^2 / 2 = 8 pairs.
+/// Triangles in the sample. Of k triangles in one place among n it holds two or more almost
+/// certainly where k / n is a thousandth: about (4096 k / n)^2 / 2 = 8 pairs.
 const SAMPLE: usize = 4096;
 /// Smaller meshes are left as they are.
 const FEWEST: usize = 1000;

@@ -1,9 +1,9 @@
 //! Mitsuba's `serialized` meshes, versions 3 and 4.
 //!
-//! A file is a row of meshes, each `0x041C`, the version, and a zlib stream: flags, a name (version 4),
-//! the numbers of vertices and triangles, then arrays of positions, normals, texture coordinates,
-//! colours and indices. A list of the meshes' offsets ends the file: 64 bits each in version 4, 32 in
-//! version 3, then their number in 32 bits. All little endian.
+//! A file is a row of meshes, each `0x041C`, the version, and a zlib stream: flags, a name (version
+//! 4), the numbers of vertices and triangles, then arrays of positions, normals, texture
+//! coordinates, colours and indices. A list of the meshes' offsets ends the file: 64 bits each in
+//! version 4, 32 in version 3, then their number in 32 bits. All little endian.
 
 use super::{Fault, MeshOptions, Raw, place};
 use crate::math::{Rgb, Vec2, Vec3};
@@ -123,7 +123,8 @@ struct Stream<'a> {
     inflate: ZlibDecoder<&'a [u8]>,
     /// Byte of the file where the compressed part starts.
     start: usize,
-    /// What remains of the file could not hold more bytes than this: deflate shrinks at most 1032 times.
+    /// What remains of the file could not hold more bytes than this: deflate shrinks at most 1032
+    /// times.
     at_most: u64,
 }
 

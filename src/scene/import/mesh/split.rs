@@ -6,8 +6,8 @@ use crate::texture::{MeshAttribute, MeshAttributes};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Cuts a mesh: triangles with the same key stay together, in their order. The parts come in the order of their keys;
-/// each keeps the vertices that it uses. A mesh with one key stays as it is.
+/// Cuts a mesh: triangles with the same key stay together, in their order. The parts come in the
+/// order of their keys; each keeps the vertices that it uses. A mesh with one key stays as it is.
 pub fn split(mesh: Mesh, key: impl Fn(usize) -> u32) -> Vec<(u32, Mesh)> {
     let triangles = mesh.triangles.clone();
     let mut parts: BTreeMap<u32, Vec<usize>> = BTreeMap::new();

@@ -1,8 +1,8 @@
 //! STL: triangles and nothing else, binary or ASCII.
 //!
-//! The format has no indices: corners that lie at the same place, bit for bit, become one vertex, so
-//! that closed models are closed. Surfaces are flat: a normal per triangle is all that the format knows
-//! (and those in the file are often wrong, so that of the corners' order counts).
+//! The format has no indices: corners that lie at the same place, bit for bit, become one vertex,
+//! so that closed models are closed. Surfaces are flat: a normal per triangle is all that the
+//! format knows (and those in the file are often wrong, so that of the corners' order counts).
 
 use super::{Fault, MeshOptions, Raw, place, text::Cursor};
 use crate::math::Vec3;
@@ -31,7 +31,8 @@ fn promised(data: &[u8]) -> Option<usize> {
 }
 
 /// The triangles that the header promises are there. Bytes behind them count only if the number of
-/// triangles, read as text, would be none: four letters stand for a hundred million triangles and more.
+/// triangles, read as text, would be none: four letters stand for a hundred million triangles and
+/// more.
 fn is_binary(data: &[u8]) -> bool {
     let text = |b: &u8| b.is_ascii_graphic() || b.is_ascii_whitespace() || *b >= 0x80;
     let count = data.get(HEADER..HEADER + 4).unwrap_or_default();

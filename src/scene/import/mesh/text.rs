@@ -1,8 +1,8 @@
 //! A cursor over text: words and numbers, each with its place in the file.
 //!
 //! Numbers take Clinger's fast path: up to 2^53 in the digits and a power of ten up to 22 are both
-//! exact in `f64`, so one multiplication or division rounds correctly. All else goes to the standard
-//! library, so the value is always the closest `f64`.
+//! exact in `f64`, so one multiplication or division rounds correctly. All else goes to the
+//! standard library, so the value is always the closest `f64`.
 
 use super::Fault;
 use crate::scene::import::Location;
@@ -87,8 +87,8 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// The byte behind the line end that the backslash under the cursor continues. Blanks between the
-    /// two are forgiven.
+    /// The byte behind the line end that the backslash under the cursor continues. Blanks between
+    /// the two are forgiven.
     fn continuation(&self) -> Option<usize> {
         let rest = self.bytes.get(self.pos + 1..)?;
         let blanks = rest.iter().take_while(|b| is_blank(**b)).count();
@@ -156,8 +156,8 @@ impl<'a> Cursor<'a> {
         &rest[..end.unwrap_or(rest.len())]
     }
 
-    /// What is left of the line without the blanks around it; continued lines are joined by a blank.
-    /// A comment begins at a `#` behind a blank.
+    /// What is left of the line without the blanks around it; continued lines are joined by a
+    /// blank. A comment begins at a `#` behind a blank.
     pub fn rest_of_line(&mut self) -> Vec<u8> {
         self.skip_blanks();
         let (mut rest, mut kept) = (Vec::new(), 0);

@@ -61,8 +61,8 @@ impl<'a> Importer<'a> {
         Ok(Material::TwoSided { front, back })
     }
 
-    /// Whether light can pass through a material. Inner materials were made before those around them, so
-    /// this ends.
+    /// Whether light can pass through a material. Inner materials were made before those around
+    /// them, so this ends.
     fn transmits(&self, id: MaterialId) -> bool {
         match self.materials.get(id) {
             Material::Dielectric { .. }

@@ -3,7 +3,8 @@
 use super::names;
 use std::collections::{BTreeSet, HashMap};
 
-/// The longest text a substitution may give: defaults that name each other can double in length each.
+/// The longest text a substitution may give: defaults that name each other can double in length
+/// each.
 const MAX_LENGTH: usize = 1 << 20;
 
 #[derive(Debug)]

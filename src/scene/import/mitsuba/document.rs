@@ -1,4 +1,5 @@
-//! A scene file as objects with parameters: substitutions made, includes merged, references resolved.
+//! A scene file as objects with parameters: substitutions made, includes merged, references
+//! resolved.
 //!
 //! The [`super::reader`] fills it; here is what it holds and how messages about it are made.
 

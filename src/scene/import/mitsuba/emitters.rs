@@ -16,7 +16,8 @@ use crate::scene::import::ImportError;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Diameter of the sun's disk seen from the earth, degrees, where a scene says nothing. Both dialects' value.
+/// Diameter of the sun's disk seen from the earth, degrees, where a scene says nothing. Both
+/// dialects' value.
 const SUN_DIAMETER_DEGREES: f64 = 0.5358;
 
 impl<'a> Importer<'a> {
@@ -147,8 +148,8 @@ impl<'a> Importer<'a> {
     }
 
     fn sun_sky(&mut self, p: &Params<'a>) -> Result<Emitter, ImportError> {
-        // `sun_aperture` is Mitsuba 3's alone: scenes of 0.x that were changed for Mitsuba 3 by hand often
-        // keep their version, and Mitsuba 3 reads them all the same.
+        // `sun_aperture` is Mitsuba 3's alone: scenes of 0.x that were changed for Mitsuba 3 by
+        // hand often keep their version, and Mitsuba 3 reads them all the same.
         let modern = p.dialect() == Dialect::Modern || p.has("sun_aperture");
         // 0.x bakes the sky into an image of that resolution; here it is evaluated as it is.
         p.ignore(&["resolution"]);

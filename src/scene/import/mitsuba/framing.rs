@@ -1,4 +1,5 @@
-//! A camera for scenes that have none: it looks at all of the scene from the front, a little from above.
+//! A camera for scenes that have none: it looks at all of the scene from the front, a little from
+//! above.
 
 use super::films::default_film;
 use super::pending::Sensor;

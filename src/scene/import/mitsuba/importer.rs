@@ -1,5 +1,5 @@
-//! What has been imported so far of a [`Document`], and what every family of objects needs to import its
-//! own.
+//! What has been imported so far of a [`Document`], and what every family of objects needs to
+//! import its own.
 
 use super::document::Document;
 use super::origin;
@@ -55,7 +55,8 @@ pub(super) type Environments = HashMap<(PathBuf, Option<u32>), Arc<EnvironmentIm
 const MOST_NESTED: usize = 5_000_000;
 
 impl<'a> Importer<'a> {
-    /// Nothing imported yet. The world's origin is the point `origin` of the document's coordinates.
+    /// Nothing imported yet. The world's origin is the point `origin` of the document's
+    /// coordinates.
     pub fn new(
         document: &'a Document,
         options: &'a ImportOptions,

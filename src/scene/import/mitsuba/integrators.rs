@@ -16,8 +16,8 @@ pub(super) fn integrator<'a>(
     render.hide_emitters = p.boolean("hide_emitters", render.hide_emitters);
     render.strict_normals = p.boolean("strict_normals", render.strict_normals);
     if plugin == "direct" {
-        // Emission, and light that arrives straight at the first surface. How many samples it shoots at
-        // lights and along materials is not a question here.
+        // Emission, and light that arrives straight at the first surface. How many samples it
+        // shoots at lights and along materials is not a question here.
         render.max_depth = Some(2);
         p.ignore(&["shading_samples", "emitter_samples", "bsdf_samples"]);
     }
@@ -46,7 +46,8 @@ pub(super) fn integrator<'a>(
     Ok(())
 }
 
-/// One warning for an integrator that something else stands for, with the parameters that fall away.
+/// One warning for an integrator that something else stands for, with the parameters that fall
+/// away.
 fn replaced(importer: &mut Importer, p: &Params, what: &str) {
     let place = importer.document.location(p.at());
     let lost = p.unused_names();

@@ -1,7 +1,7 @@
 //! Mesh files: collected while the scene is read, then loaded together.
 //!
-//! Scenes name hundreds of files. They are read in parallel, each (file, options) once, and when some are
-//! missing the error lists them all.
+//! Scenes name hundreds of files. They are read in parallel, each (file, options) once, and when
+//! some are missing the error lists them all.
 
 use super::importer::Importer;
 use super::pending::{PendingGeometry, PendingShape, Request};

@@ -1,8 +1,8 @@
 //! Names: one spelling for both dialects, known plugins, and the nearest name to a misspelt one.
 
-/// Names of a parameter in one spelling: Mitsuba 0.x writes `toWorld` and `intIOR`, Mitsuba 3 `to_world`
-/// and `int_ior`. An underscore goes in where a capital follows a small letter or digit; everything
-/// becomes lower case.
+/// Names of a parameter in one spelling: Mitsuba 0.x writes `toWorld` and `intIOR`, Mitsuba 3
+/// `to_world` and `int_ior`. An underscore goes in where a capital follows a small letter or digit;
+/// everything becomes lower case.
 pub(super) fn normalise(name: &str) -> String {
     let mut out = String::with_capacity(name.len() + 4);
     let mut after_small = false;
@@ -35,7 +35,8 @@ pub(super) fn did_you_mean<'n>(
     nearest(name, known).map(|n| format!("did you mean \"{n}\"?"))
 }
 
-/// Elements that make an object, with the plugins known for each. An empty list means that any is taken.
+/// Elements that make an object, with the plugins known for each. An empty list means that any is
+/// taken.
 #[rustfmt::skip]
 pub(super) const OBJECTS: &[(&str, &[&str])] = &[
     ("scene", &[]),

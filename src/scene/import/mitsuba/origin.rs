@@ -1,30 +1,32 @@
 //! Scenes far from the origin of their coordinates, such as maps.
 //!
-//! Positions end as `f32`, which at 1e6 tell apart what is 0.06 away. A scene that is small beside its
-//! distance from the origin is therefore imported a second time, with everything that stands in the world
-//! moved towards the origin in `f64`, before any rounding. Light does not notice. What still has not got
-//! enough digits (a cup in a landscape) is a warning.
+//! Positions end as `f32`, which at 1e6 tell apart what is 0.06 away. A scene that is small beside
+//! its distance from the origin is therefore imported a second time, with everything that stands in
+//! the world moved towards the origin in `f64`, before any rounding. Light does not notice. What
+//! still has not got enough digits (a cup in a landscape) is a warning.
 
 use crate::accel::{Bounds, LARGEST};
 use crate::math::{DAffine3, DVec3};
 use crate::scene::import::parts::{bounds_of, shape_bounds};
 use crate::scene::{Description, Shape};
 
-/// A scene is far away when the middle of its bounds is this many times its radius from the origin: five of
-/// the 24 bits of a position would then say nothing but where the scene is.
+/// A scene is far away when the middle of its bounds is this many times its radius from the origin:
+/// five of the 24 bits of a position would then say nothing but where the scene is.
 const FAR: f32 = 32.0;
 
-/// What is so far away that its size was lost in rounding is first moved near, and then to its place.
+/// What is so far away that its size was lost in rounding is first moved near, and then to its
+/// place.
 pub(super) const MOST_MOVES: u32 = 3;
 
-/// Shapes with fewer roundings of a position than this across are warned of: their silhouettes would be
-/// visibly jagged.
+/// Shapes with fewer roundings of a position than this across are warned of: their silhouettes
+/// would be visibly jagged.
 const STEPS: f32 = 1024.0;
 
-/// The point that should become the origin, if the scene is far from the one it has. It lies on a grid
-/// as coarse as the scene, so that small changes of a scene do not move it, and so that scenes that
-/// differ by a multiple of the grid are moved to the same place. A scene that was `moved` already, by
-/// bounds that rounding had spoiled, is moved on until its middle is within half a grid.
+/// The point that should become the origin, if the scene is far from the one it has. It lies on a
+/// grid as coarse as the scene, so that small changes of a scene do not move it, and so that scenes
+/// that differ by a multiple of the grid are moved to the same place. A scene that was `moved`
+/// already, by bounds that rounding had spoiled, is moved on until its middle is within half a
+/// grid.
 pub(super) fn far_origin(description: &Description, moved: bool) -> Option<DVec3> {
     let bounds = bounds_of(&description.shapes, &description.instances);
     let (center, radius) = (bounds.center(), bounds.radius());

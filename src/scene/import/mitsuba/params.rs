@@ -1,8 +1,8 @@
 //! Asking an object for its parameters.
 //!
-//! A plugin's reader asks for each parameter by name, once; what it never asked for is what the plugin
-//! does not know, and the names it asked for are what a misspelt name is compared with. So the list of a
-//! plugin's parameters exists in one place only, the code that uses them.
+//! A plugin's reader asks for each parameter by name, once; what it never asked for is what the
+//! plugin does not know, and the names it asked for are what a misspelt name is compared with. So
+//! the list of a plugin's parameters exists in one place only, the code that uses them.
 
 use super::document::{Document, Object, Property};
 use super::names;

@@ -40,7 +40,8 @@ pub(super) struct Request {
 impl Request {
     /// What two requests share when they are for the same mesh: everything but the place.
     pub fn key(&self) -> (PathBuf, String) {
-        // `f64` in the options has no `Hash`; its shortest text that reads back the same stands for it.
+        // `f64` in the options has no `Hash`; its shortest text that reads back the same stands for
+        // it.
         (
             self.path.clone(),
             format!("{:?} {:?}", self.kind, self.options),

@@ -1,5 +1,5 @@
-//! From elements to a [`Document`]: follows includes, registers ids, and has references resolved (forward
-//! ones too). Single parameters are read in [`super::attributes`].
+//! From elements to a [`Document`]: follows includes, registers ids, and has references resolved
+//! (forward ones too). Single parameters are read in [`super::attributes`].
 //!
 //! What cannot be read is told and left out, so that all mistakes of a file come to light at once.
 

@@ -146,9 +146,10 @@ fn refuse_cycles(document: &mut Document) {
 /// Objects inside each other, references followed: the importer recurses over them.
 const MAX_DEPTH: usize = 200;
 
-/// Refuses chains too long for the importer's recursion. There are no cycles any more, so depths follow
-/// from those of the objects inside; an object stands before what is nested in it but may refer to
-/// anything, hence the repetition until nothing changes (each pass settles one more level).
+/// Refuses chains too long for the importer's recursion. There are no cycles any more, so depths
+/// follow from those of the objects inside; an object stands before what is nested in it but may
+/// refer to anything, hence the repetition until nothing changes (each pass settles one more
+/// level).
 fn limit_depth(document: &Document) -> Result<(), ImportError> {
     let mut depth = vec![0usize; document.objects.len()];
     for _ in 0..=MAX_DEPTH {

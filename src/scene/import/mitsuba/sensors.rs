@@ -97,7 +97,8 @@ impl<'a> Importer<'a> {
         })
     }
 
-    /// Camera axes of unit length. Mirrored cameras stay mirrored: 0.x scenes flip pictures that way.
+    /// Camera axes of unit length. Mirrored cameras stay mirrored: 0.x scenes flip pictures that
+    /// way.
     fn without_scale(&mut self, p: &Params<'a>, given: DAffine3) -> Result<DAffine3, ImportError> {
         let axes = given.matrix3;
         let lengths = [axes.x_axis, axes.y_axis, axes.z_axis].map(|a| a.length());

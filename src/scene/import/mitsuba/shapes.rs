@@ -261,8 +261,8 @@ fn cylinder(p: &Params) -> Result<DAffine3, ImportError> {
     })
 }
 
-/// The cube from -1 to 1: two triangles a face, so that each face has its own normal and the unit square
-/// as texture coordinates.
+/// The cube from -1 to 1: two triangles a face, so that each face has its own normal and the unit
+/// square as texture coordinates.
 fn cube(p: &Params, to_world: DAffine3) -> Result<PendingGeometry, ImportError> {
     // Faces stay turned outwards under a mirroring map, as Mitsuba's vertex normals do.
     let inward = p.boolean("flip_normals", false) != (to_world.matrix3.determinant() < 0.0);

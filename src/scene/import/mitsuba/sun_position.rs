@@ -1,8 +1,8 @@
 //! Where the sun stands, from date and place.
 //!
-//! The algorithm of Blanco-Muriel, Alarcon-Padilla, Lopez-Moratalla and Lara-Coira, "Computing the Solar
-//! Vector", Solar Energy 70(5), 2001: good to half an arc minute between 1999 and 2015, and to much less
-//! than the sun's diameter for centuries around.
+//! The algorithm of Blanco-Muriel, Alarcon-Padilla, Lopez-Moratalla and Lara-Coira, "Computing the
+//! Solar Vector", Solar Energy 70(5), 2001: good to half an arc minute between 1999 and 2015, and
+//! to much less than the sun's diameter for centuries around.
 
 use crate::math::DVec3;
 use std::f64::consts::TAU;

@@ -1,7 +1,7 @@
 //! `<transform>`: steps from top to bottom, each applied after the ones above it.
 //!
-//! Matrices act on column vectors and are written row by row. `lookat` makes camera coordinates: +z looks
-//! at the target, +y is up, +x is to the left.
+//! Matrices act on column vectors and are written row by row. `lookat` makes camera coordinates: +z
+//! looks at the target, +y is up, +x is to the left.
 
 use super::value;
 use super::xml::Element;

@@ -67,8 +67,8 @@ pub(super) enum Dialect {
 }
 
 impl Color {
-    /// Linear sRGB. A one-value spectrum used as light is grey in Mitsuba 0.x (where spectra are RGB
-    /// triples) and of equal energy in Mitsuba 3.
+    /// Linear sRGB. A one-value spectrum used as light is grey in Mitsuba 0.x (where spectra are
+    /// RGB triples) and of equal energy in Mitsuba 3.
     pub fn to_rgb(&self, weighting: Weighting, dialect: Dialect) -> Rgb {
         match self {
             Color::Rgb(c) => c.as_vec3(),
@@ -135,8 +135,8 @@ pub(super) fn integer(text: &str) -> Result<i64, String> {
         .map_err(|_| format!("\"{trimmed}\" is not a whole number"))
 }
 
-/// `r, g, b`, one grey value, or `#rrggbb`: 255ths taken as they are (`encoded` false) or through the sRGB
-/// curve (`encoded` true). Mitsuba 0.x takes hexadecimal digits in `<rgb>` as linear too.
+/// `r, g, b`, one grey value, or `#rrggbb`: 255ths taken as they are (`encoded` false) or through
+/// the sRGB curve (`encoded` true). Mitsuba 0.x takes hexadecimal digits in `<rgb>` as linear too.
 pub(super) fn rgb(text: &str, encoded: bool) -> Result<Color, String> {
     let raw = match text.trim().strip_prefix('#') {
         Some(hex) => hexadecimal(hex)?,

@@ -1,4 +1,5 @@
-//! From a [`Document`] to a [`Description`]: walks the scene's objects and hands each to its family.
+//! From a [`Document`] to a [`Description`]: walks the scene's objects and hands each to its
+//! family.
 
 use super::document::Document;
 use super::importer::{Environments, Importer};
@@ -65,7 +66,8 @@ impl Importer<'_> {
         Ok(())
     }
 
-    /// Imports what stands directly in the scene. Materials and textures wait until they are asked for.
+    /// Imports what stands directly in the scene. Materials and textures wait until they are asked
+    /// for.
     fn top_level(&mut self, index: usize) -> Result<(), ImportError> {
         let object = &self.document.objects[index];
         match object.tag.as_str() {

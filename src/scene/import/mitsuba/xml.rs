@@ -162,8 +162,8 @@ fn characters(text: &[u8]) -> usize {
     text.iter().filter(|b| **b & 0xc0 != 0x80).count()
 }
 
-/// Blanks what is inside comments, one space a character, keeping line ends. A comment ends at the first
-/// `-->`, whatever stands before it.
+/// Blanks what is inside comments, one space a character, keeping line ends. A comment ends at the
+/// first `-->`, whatever stands before it.
 fn blank_comments(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut rest = text;

@@ -17,8 +17,9 @@ pub(super) fn has(mesh: &Mesh) -> bool {
     list.iter().any(|a| a.name == palette::VERTEX_COLOR)
 }
 
-/// Makes a mesh's colours what materials multiply by, under one name. Those of scans and sculptures are
-/// made for the screen: the sRGB curve is undone. (Scenes name attributes and take them as they are.)
+/// Makes a mesh's colours what materials multiply by, under one name. Those of scans and sculptures
+/// are made for the screen: the sRGB curve is undone. (Scenes name attributes and take them as they
+/// are.)
 ///
 /// Returns what is to be said about them.
 pub(super) fn prepare(mesh: &mut Mesh) -> Option<String> {

@@ -1,8 +1,8 @@
-//! Model files without a scene: PLY, OBJ (with MTL), STL, Mitsuba's `serialized` and glTF, several at
-//! once, each placed where it is wanted.
+//! Model files without a scene: PLY, OBJ (with MTL), STL, Mitsuba's `serialized` and glTF, several
+//! at once, each placed where it is wanted.
 //!
-//! A mesh file that is named more than once, with the same words but for its placement, is loaded once
-//! and instanced.
+//! A mesh file that is named more than once, with the same words but for its placement, is loaded
+//! once and instanced.
 
 mod colors;
 mod mtl;

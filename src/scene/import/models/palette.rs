@@ -12,7 +12,8 @@ use std::str::FromStr;
 /// Attribute that holds a mesh's colours.
 pub const VERTEX_COLOR: &str = "vertex_color";
 
-/// Names that stand for a way of being painted. Names of conductors (`gold`, `copper`..) come with them.
+/// Names that stand for a way of being painted. Names of conductors (`gold`, `copper`..) come with
+/// them.
 pub const NAMES: [&str; 8] = [
     "clay", "matte", "plastic", "metal", "mirror", "glass", "frosted", "water",
 ];
@@ -46,8 +47,8 @@ impl Paint {
         }
     }
 
-    /// Adds the material. Where the mesh has colours (`colored`) and the paint names none, they are used
-    /// by the materials that have a colour of their own.
+    /// Adds the material. Where the mesh has colours (`colored`) and the paint names none, they are
+    /// used by the materials that have a colour of their own.
     pub fn add(&self, materials: &mut Materials, colored: bool) -> MaterialId {
         let color = |default: [f32; 3]| match self.color {
             Some(color) => Texture::Constant(color),

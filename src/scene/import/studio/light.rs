@@ -21,8 +21,8 @@ const KEY_RADIUS: f32 = 1.6;
 /// Where the key light is: to the left of the camera, and above the ground, degrees.
 const KEY_AZIMUTH: f64 = -40.0;
 const KEY_ELEVATION: f64 = 45.0;
-/// Radiance of the sky in the sky model's units becomes that of the studio. How bright the sun is depends on where it
-/// stands: [`Studio::exposure`] makes up for that.
+/// Radiance of the sky in the sky model's units becomes that of the studio. How bright the sun is
+/// depends on where it stands: [`Studio::exposure`] makes up for that.
 const SUN_SKY_SCALE: f32 = 0.04;
 /// What a white wall that faces the sun becomes in a picture.
 const WHITE: f32 = 0.9;
@@ -60,7 +60,8 @@ impl Studio {
         }
     }
 
-    /// Exposure of pictures, in stops: under a sun, that at which a white wall in it is about white.
+    /// Exposure of pictures, in stops: under a sun, that at which a white wall in it is about
+    /// white.
     pub fn exposure(&self) -> f32 {
         let Some(Sky::Sun { azimuth, elevation }) = &self.sky else {
             return 0.0;
@@ -86,8 +87,8 @@ impl Studio {
         }
     }
 
-    /// A direction by its angles: azimuth 0 is the model's front, positive to its left (the right of
-    /// who looks at it).
+    /// A direction by its angles: azimuth 0 is the model's front, positive to its left (the right
+    /// of who looks at it).
     fn direction(&self, azimuth: f64, elevation: f64) -> DVec3 {
         let (up, front) = (self.up(), self.front());
         let (sin_a, cos_a) = azimuth.to_radians().sin_cos();

@@ -1,8 +1,8 @@
 //! A studio around bare models: a camera that frames them, light, and a ground if wanted.
 //!
-//! The key light is a large disk behind the camera's left shoulder, so soft shadows fall to the right;
-//! a dome fills them. Whatever a file brings along (cameras, lights) is used unless something else is
-//! asked for.
+//! The key light is a large disk behind the camera's left shoulder, so soft shadows fall to the
+//! right; a dome fills them. Whatever a file brings along (cameras, lights) is used unless
+//! something else is asked for.
 
 mod camera;
 mod light;

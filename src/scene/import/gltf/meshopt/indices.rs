@@ -1,5 +1,5 @@
-//! Modes 1 and 2: indices of triangles, by the edges and vertices that they share with recent ones, and
-//! plain sequences of indices.
+//! Modes 1 and 2: indices of triangles, by the edges and vertices that they share with recent ones,
+//! and plain sequences of indices.
 
 use super::{EARLY, unzigzag};
 

@@ -4,10 +4,10 @@
 //!  bytes --mode--> elements --filter--> elements as an accessor reads them
 //! ```
 //!
-//! An own decoder, by the extension's appendices A and B: the crate for it wraps C++, and this program
-//! also builds where there is no C++ compiler. Everything grows with what was read, so a file cannot ask
-//! for more memory than a small multiple of its length. Guarded by vectors of meshoptimizer's own encoder
-//! (tests/vectors/meshopt).
+//! An own decoder, by the extension's appendices A and B: the crate for it wraps C++, and this
+//! program also builds where there is no C++ compiler. Everything grows with what was read, so a
+//! file cannot ask for more memory than a small multiple of its length. Guarded by vectors of
+//! meshoptimizer's own encoder (tests/vectors/meshopt).
 
 mod attributes;
 mod filters;

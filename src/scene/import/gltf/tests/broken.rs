@@ -89,7 +89,8 @@ fn a_byte_order_mark_is_skipped_and_wide_text_named() {
     assert!(error.to_string().contains("UTF-16"), "{error}");
 }
 
-/// Few bytes that ask for many: zeros without bytes, the same bytes thousands of times, compression.
+/// Few bytes that ask for many: zeros without bytes, the same bytes thousands of times,
+/// compression.
 #[test]
 fn files_that_unpack_to_more_than_the_limit_are_refused() {
     let mut zeros = File::triangle();

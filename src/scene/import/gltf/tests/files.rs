@@ -134,8 +134,8 @@ fn one_binary_file_holds_the_same() {
 #[test]
 fn views_that_meshoptimizer_compressed_are_read_like_others() {
     let mut file = File::triangle();
-    // Four vertices of 16-bit numbers, of which the first bytes of x (0, 1, 2, 3) and y (0, 0, 1, 1)
-    // differ.
+    // Four vertices of 16-bit numbers, of which the first bytes of x (0, 1, 2, 3) and y (0, 0, 1,
+    // 1) differ.
     let x = [1, 0b0010_1010, 0, 0, 0];
     let y = [1, 0b0000_1000, 0, 0, 0];
     let mut encoded = vec![0xa0];

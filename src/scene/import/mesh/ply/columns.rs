@@ -1,9 +1,9 @@
 //! What the properties of a PLY file mean, by their names.
 //!
-//! Beside positions, normals and texture coordinates, Mitsuba 3's convention for attributes: the parts
-//! `NAME_0`, `NAME_1`, .. (or `_x _y _z`, `_r _g _b`) make an attribute `vertex_NAME` or `face_NAME`;
-//! bare `red green blue` or `r g b` make `vertex_color` or `face_color`. Values are taken as linear;
-//! unlike in Mitsuba, parts of 8 or 16 bits are divided by their largest value.
+//! Beside positions, normals and texture coordinates, Mitsuba 3's convention for attributes: the
+//! parts `NAME_0`, `NAME_1`, .. (or `_x _y _z`, `_r _g _b`) make an attribute `vertex_NAME` or
+//! `face_NAME`; bare `red green blue` or `r g b` make `vertex_color` or `face_color`. Values are
+//! taken as linear; unlike in Mitsuba, parts of 8 or 16 bits are divided by their largest value.
 
 use super::header::{Element, Shape, Type};
 use rustc_hash::FxHashSet;
@@ -103,7 +103,8 @@ fn attributes(element: &Element, prefix: &str) -> Vec<Attribute> {
     found
 }
 
-/// Splits the name of an attribute's first part into the attribute's name and the names of all parts.
+/// Splits the name of an attribute's first part into the attribute's name and the names of all
+/// parts.
 fn first_part(name: &str) -> Option<(&str, [&'static str; 3])> {
     let (base, last) = match name.rsplit_once('_') {
         Some((base, last)) if !base.is_empty() => (base, last),

@@ -2,11 +2,12 @@
 //!
 //! [`header`] says which tables follow. A binary table whose rows are all equally long (vertices of
 //! plain numbers, faces that are all triangles) is copied column by column by all threads
-//! ([`table`]); everything else is walked row by row ([`walk`]). [`columns`] knows what the names mean.
+//! ([`table`]); everything else is walked row by row ([`walk`]). [`columns`] knows what the names
+//! mean.
 //!
-//! An own reader, because the crates for PLY build a map from names to values for every row: minutes
-//! and many times the file's memory at the tens of millions of triangles that this one reads at the
-//! speed of the disk.
+//! An own reader, because the crates for PLY build a map from names to values for every row:
+//! minutes and many times the file's memory at the tens of millions of triangles that this one
+//! reads at the speed of the disk.
 
 mod columns;
 mod header;
@@ -238,7 +239,8 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// Strips of triangles, as old scans have them: -1 starts a new strip, every other triangle turns.
+    /// Strips of triangles, as old scans have them: -1 starts a new strip, every other triangle
+    /// turns.
     fn strips(&mut self, element: &Element) -> Result<(), Fault> {
         let list = Self::index_list(element)?;
         self.walk(element, Some(list), |reader, row| {

@@ -19,8 +19,9 @@ pub(super) struct Table<'a> {
 }
 
 impl<'a> Table<'a> {
-    /// The rows of `element` at the start of `rest`, if all may be of one length: it has no list but
-    /// `list`, and there is room for three items in each. [`Table::triangles`] finds out whether each has.
+    /// The rows of `element` at the start of `rest`, if all may be of one length: it has no list
+    /// but `list`, and there is room for three items in each. [`Table::triangles`] finds out
+    /// whether each has.
     pub fn new(rest: &'a [u8], element: &Element, list: Option<usize>, big: bool) -> Option<Self> {
         let mut fields = Vec::new();
         let (mut stride, mut of_list) = (0, None);
@@ -88,10 +89,11 @@ impl<'a> Table<'a> {
         column
     }
 
-    /// The three items of the list `list` in each row, and whether all are below `vertices`; what is no
-    /// index counts as `u32::MAX`. Nothing if a list has another number of items.
+    /// The three items of the list `list` in each row, and whether all are below `vertices`; what
+    /// is no index counts as `u32::MAX`. Nothing if a list has another number of items.
     ///
-    /// In one pass: a large mesh is in no cache, and looking at it again would take as long as this.
+    /// In one pass: a large mesh is in no cache, and looking at it again would take as long as
+    /// this.
     pub fn triangles(&self, list: usize, vertices: usize) -> Option<(Vec<[u32; 3]>, bool)> {
         let (at, of) = *self.fields.get(list)?;
         let (count, big, size) = (self.count?, self.big, of.size());
@@ -119,7 +121,8 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// Three indices of each row by `item`, if each row is `even`, and whether all are below `vertices`.
+    /// Three indices of each row by `item`, if each row is `even`, and whether all are below
+    /// `vertices`.
     fn indices(
         &self,
         vertices: usize,

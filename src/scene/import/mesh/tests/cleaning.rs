@@ -170,7 +170,8 @@ fn many_triangles_in_one_place_become_one() {
         "{:?}",
         loaded.warnings
     );
-    // One in five hundred shows; two in a mesh of others are left alone, as are both sides of a sheet.
+    // One in five hundred shows; two in a mesh of others are left alone, as are both sides of a
+    // sheet.
     assert_eq!(
         clean(crowded(100, 50_000)).mesh.triangles.triangles().len(),
         50_001

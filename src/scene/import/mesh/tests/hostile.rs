@@ -69,8 +69,8 @@ fn a_number_of_rows_is_a_whole_number() {
     }
 }
 
-/// The time of each grows with the length of the file, not with its square: with it, they would take
-/// minutes.
+/// The time of each grows with the length of the file, not with its square: with it, they would
+/// take minutes.
 #[test]
 fn many_elements_properties_and_odd_polygons_take_time_in_proportion() {
     let start = std::time::Instant::now();

@@ -150,8 +150,8 @@ fn flipping_turns_winding_and_normals_together() {
     }
 }
 
-/// Normals of the file stay on their side, computed ones and the order of corners follow what was the
-/// front before.
+/// Normals of the file stay on their side, computed ones and the order of corners follow what was
+/// the front before.
 #[test]
 fn a_mirror_turns_nothing_inside_out() {
     let options = MeshOptions {
@@ -182,8 +182,8 @@ fn front(mesh: &Mesh) -> Vec3 {
     normals::cross(mesh.triangles.positions(), triangle).as_vec3()
 }
 
-/// Normals of the file decide, also where only one corner has any; asked for flat faces, the order of
-/// corners does.
+/// Normals of the file decide, also where only one corner has any; asked for flat faces, the order
+/// of corners does.
 #[test]
 fn given_normals_turn_the_corners() {
     let against = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 -1\nf 1//1 2//1 3//1\n";

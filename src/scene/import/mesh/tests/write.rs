@@ -1,4 +1,5 @@
-//! Writers of all formats. Text has all digits of the `f32` values, so that every format holds the same.
+//! Writers of all formats. Text has all digits of the `f32` values, so that every format holds the
+//! same.
 
 use crate::math::{Vec2, Vec3};
 use flate2::{Compression, write::ZlibEncoder};

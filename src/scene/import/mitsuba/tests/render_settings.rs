@@ -51,7 +51,8 @@ fn a_perspective_camera_in_both_dialects() {
     assert!((right - DVec3::X).length() < 1e-12, "{right}");
 }
 
-/// Mitsuba 3.9.1 shows a horizontal field of view of 38.18484 degrees for 50 mm on 768 x 576 pixels.
+/// Mitsuba 3.9.1 shows a horizontal field of view of 38.18484 degrees for 50 mm on 768 x 576
+/// pixels.
 #[test]
 fn focal_lengths_are_those_of_a_35_mm_camera() {
     let d = seen("3.0.0", "<sensor type='perspective'/>");
@@ -93,7 +94,8 @@ fn thin_lenses_and_parallel_projections() {
     assert_eq!(d.camera.to_world.matrix3.x_axis.x, 5.0);
 }
 
-/// 0.x scenes mirror pictures by a negative scale; anything else in a camera's scale has no meaning.
+/// 0.x scenes mirror pictures by a negative scale; anything else in a camera's scale has no
+/// meaning.
 #[test]
 fn mirrored_cameras_stay_mirrored_and_scaled_ones_do_not_stay_scaled() {
     let mirrored =

@@ -82,8 +82,8 @@ fn others_scenes_load() {
     }
 }
 
-/// Colours of the Cornell box as Mitsuba 3.9.1 (`scalar_rgb`, `mi.traverse`) makes them from its spectra of
-/// 76 points.
+/// Colours of the Cornell box as Mitsuba 3.9.1 (`scalar_rgb`, `mi.traverse`) makes them from its
+/// spectra of 76 points.
 #[test]
 fn the_cornell_box_has_mitsubas_colours() {
     let Some(directory) = shared() else {

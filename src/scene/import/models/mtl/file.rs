@@ -1,7 +1,7 @@
 //! Wavefront MTL as text: statements to entries.
 //!
-//! What makes no sense is left out and told: the format is so old and its writers are so many that nothing
-//! stricter would read them all.
+//! What makes no sense is left out and told: the format is so old and its writers are so many that
+//! nothing stricter would read them all.
 
 use super::map::{self, Map};
 use super::words::{self, Kind};

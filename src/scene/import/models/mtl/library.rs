@@ -8,8 +8,8 @@ use crate::scene::import::parts::Parts;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-/// The entries of the materials that the OBJ file `path` names, in the order of their numbers. A library
-/// that is missing is a warning: the model can be seen without.
+/// The entries of the materials that the OBJ file `path` names, in the order of their numbers. A
+/// library that is missing is a warning: the model can be seen without.
 pub(super) fn read(path: &Path, names: &FaceMaterials, parts: &mut Parts) -> Vec<Option<Entry>> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut known = HashMap::new();

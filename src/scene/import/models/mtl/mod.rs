@@ -9,8 +9,8 @@
 //! | `Ke`, `map_Ke` | glow |
 //! | anything else | diffuse `Kd`, `map_Kd` |
 //!
-//! Exporters (Blender) write `illum` 6 and 9 for whatever has an alpha below 1: with a `d` below 1 these
-//! mean opacity and not glass, unless the file says what colour is let through.
+//! Exporters (Blender) write `illum` 6 and 9 for whatever has an alpha below 1: with a `d` below 1
+//! these mean opacity and not glass, unless the file says what colour is let through.
 
 mod file;
 mod library;
@@ -344,8 +344,8 @@ impl Reader<'_> {
     }
 }
 
-/// Where an image is laid. In the format v points up and row 0 lies at v = 1; here v is 1 - v already, so
-/// that s v + o becomes s v + (1 - s - o).
+/// Where an image is laid. In the format v points up and row 0 lies at v = 1; here v is 1 - v
+/// already, so that s v + o becomes s v + (1 - s - o).
 fn placement(map: &Map) -> UvTransform {
     let (scale, offset) = (map.scale, map.offset);
     UvTransform(Affine2 {
