@@ -3,7 +3,7 @@
 mod support;
 
 use support::{Built, SceneMaker, Silent, Spread, film_mean, grey, how, inside_of_cube, spreads};
-use twintree::accel::{Backend, ExactKind};
+use twintree::accel::{AnalyticKind, Backend};
 use twintree::bsdf::Material;
 use twintree::film::Film;
 use twintree::integrate::PathSettings;
@@ -29,11 +29,11 @@ fn room() -> Built {
     let up = Affine3A::from_translation(Vec3::new(0.0, 0.3, 0.2))
         * Affine3A::from_rotation_x(-std::f32::consts::FRAC_PI_2)
         * Affine3A::from_scale(Vec3::splat(0.1));
-    let lamp = maker.exact(ExactKind::Rectangle, up);
+    let lamp = maker.exact(AnalyticKind::Rectangle, up);
     maker.shape(lamp, black, Some(50.0), false);
     let board = Affine3A::from_translation(Vec3::new(0.5, 0.0, -0.5))
         * Affine3A::from_scale(Vec3::splat(0.5));
-    let board = maker.exact(ExactKind::Rectangle, board);
+    let board = maker.exact(AnalyticKind::Rectangle, board);
     maker.shape(board, black, None, false);
     maker.build(Backend::default())
 }

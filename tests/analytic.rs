@@ -3,7 +3,7 @@
 mod support;
 
 use support::{SceneMaker, grey, inside_of_cube, settings};
-use twintree::accel::{Backend, ExactKind};
+use twintree::accel::{AnalyticKind, Backend};
 use twintree::bsdf::Material;
 use twintree::light::Emitter;
 use twintree::math::{Affine3A, Rgb, Vec3};
@@ -135,14 +135,14 @@ fn disk_light_over_a_floor_matches_its_form_factor() {
         let black = maker.diffuse(0.0);
         let flat = Affine3A::from_rotation_x(-std::f32::consts::FRAC_PI_2);
         let ground = maker.exact(
-            ExactKind::Rectangle,
+            AnalyticKind::Rectangle,
             flat * Affine3A::from_scale(Vec3::splat(10.0)),
         );
         maker.shape(ground, floor, None, false);
         let down = Affine3A::from_translation(Vec3::Y * height)
             * Affine3A::from_rotation_x(std::f32::consts::FRAC_PI_2)
             * Affine3A::from_scale(Vec3::splat(radius));
-        let lamp = maker.exact(ExactKind::Disk, down);
+        let lamp = maker.exact(AnalyticKind::Disk, down);
         maker.shape(lamp, black, Some(radiance), false);
         let truth = albedo * radiance * radius * radius / (radius * radius + height * height);
         expect(
@@ -166,7 +166,7 @@ fn a_lamp_that_touches_the_floor_lights_it_up_to_the_touch() {
         let black = maker.diffuse(0.0);
         let flat = Affine3A::from_translation(Vec3::Y * 2.0)
             * Affine3A::from_rotation_x(-std::f32::consts::FRAC_PI_2);
-        let ground = maker.exact(ExactKind::Rectangle, flat);
+        let ground = maker.exact(AnalyticKind::Rectangle, flat);
         maker.shape(ground, floor, None, false);
         let center = Vec3::new(0.0, 2.0 + radius, 0.0);
         maker.sphere(center, radius, black, Some(radiance), false);
@@ -187,7 +187,10 @@ fn masks_let_their_share_through() {
             opacity: grey(0.3),
             inner: black,
         });
-        let sheet = maker.exact(ExactKind::Rectangle, Affine3A::from_scale(Vec3::splat(5.0)));
+        let sheet = maker.exact(
+            AnalyticKind::Rectangle,
+            Affine3A::from_scale(Vec3::splat(5.0)),
+        );
         maker.shape(sheet, veil, None, false);
         maker.emitter(Emitter::Constant { radiance: Rgb::ONE });
         expect("mask", 0.7, maker.build(backend).mean(&settings(), 4096));

@@ -3,7 +3,7 @@
 mod support;
 
 use support::{Built, SceneMaker, film_mean, grey, how, inside_of_cube, settings};
-use twintree::accel::{Backend, ExactKind};
+use twintree::accel::{AnalyticKind, Backend};
 use twintree::bsdf::Material;
 use twintree::bsdf::material::{Distribution, Roughness};
 use twintree::film::Film;
@@ -57,7 +57,7 @@ fn room() -> Built {
     let up = Affine3A::from_translation(Vec3::new(0.0, 0.3, 0.2))
         * Affine3A::from_rotation_x(-std::f32::consts::FRAC_PI_2)
         * Affine3A::from_scale(Vec3::splat(0.25));
-    let lamp = maker.exact(ExactKind::Rectangle, up);
+    let lamp = maker.exact(AnalyticKind::Rectangle, up);
     maker.shape(lamp, black, Some(8.0), false);
     maker.build(Backend::default())
 }
@@ -264,7 +264,7 @@ fn an_empty_scene_teaches_nothing() {
     let mut maker = SceneMaker::new(Vec3::new(0.0, 1.0, -3.0), Vec3::ZERO, 40.0, 16);
     let floor = maker.diffuse(0.5);
     let flat = Affine3A::from_rotation_x(-std::f32::consts::FRAC_PI_2);
-    let ground = maker.exact(ExactKind::Rectangle, flat);
+    let ground = maker.exact(AnalyticKind::Rectangle, flat);
     maker.shape(ground, floor, None, false);
     maker.emitter(Emitter::Point {
         position: Vec3::Y,

@@ -4,7 +4,7 @@
 mod support;
 
 use support::{Built, SceneMaker, inside_of_cube, mesh, settings};
-use twintree::accel::{Backend, ExactKind};
+use twintree::accel::{AnalyticKind, Backend};
 use twintree::guide::{Field, ModelKind, SurfacePoint, Trainer};
 use twintree::integrate::PathSettings;
 use twintree::integrate::debug::cells;
@@ -83,7 +83,7 @@ fn two_rooms() -> Built {
         let up = Affine3A::from_translation(Vec3::new(x, 0.3, 0.2))
             * Affine3A::from_rotation_x(-std::f32::consts::FRAC_PI_2)
             * Affine3A::from_scale(Vec3::splat(0.25));
-        let lamp = maker.exact(ExactKind::Rectangle, up);
+        let lamp = maker.exact(AnalyticKind::Rectangle, up);
         maker.shape(lamp, black, Some(8.0), false);
     }
     maker.shape(mesh(corners, triangles), wall, None, false);

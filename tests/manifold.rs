@@ -3,7 +3,7 @@
 mod support;
 
 use support::{Built, SceneMaker, film_mean, grey, how};
-use twintree::accel::{Backend, ExactKind};
+use twintree::accel::{AnalyticKind, Backend};
 use twintree::bsdf::Material;
 use twintree::film::Film;
 use twintree::guide::ModelKind;
@@ -43,7 +43,7 @@ fn lamplit_balls(aside: f32) -> Built {
         let place = Affine3A::from_translation(Vec3::new(-1.2, 2.0, -0.3))
             * Affine3A::from_quat(Quat::from_rotation_arc(Vec3::Z, facing))
             * Affine3A::from_scale(Vec3::splat(0.3));
-        let disk = maker.exact(ExactKind::Disk, place);
+        let disk = maker.exact(AnalyticKind::Disk, place);
         maker.shape(disk, black, Some(25.0), false);
     })
 }
@@ -74,7 +74,7 @@ fn lit_balls(aside: f32, light: impl FnOnce(&mut SceneMaker)) -> Built {
     let floor = maker.diffuse(0.5);
     let up = Affine3A::from_rotation_x(-std::f32::consts::FRAC_PI_2)
         * Affine3A::from_scale(Vec3::splat(3.0));
-    let ground = maker.exact(ExactKind::Rectangle, up);
+    let ground = maker.exact(AnalyticKind::Rectangle, up);
     maker.shape(ground, floor, None, false);
     let glass = maker.material(Material::Dielectric {
         eta: 1.5,

@@ -4,7 +4,7 @@ mod support;
 
 use std::sync::Arc;
 use support::{Built, SceneMaker, Silent, grey, how, inside_of_cube, settings, spreads};
-use twintree::accel::{Backend, ExactKind, TriangleMesh};
+use twintree::accel::{AnalyticKind, Backend, TriangleMesh};
 use twintree::bsdf::Material;
 use twintree::bsdf::material::{Distribution, Roughness};
 use twintree::film::Film;
@@ -34,7 +34,7 @@ fn room() -> Built {
     });
     let left = Affine3A::from_translation(Vec3::new(0.98, 0.0, 0.0))
         * Affine3A::from_rotation_y(-std::f32::consts::FRAC_PI_2);
-    let left = maker.exact(ExactKind::Rectangle, left);
+    let left = maker.exact(AnalyticKind::Rectangle, left);
     maker.shape(left, red, None, false);
     let inner = both_sides(&mut maker, 0.5);
     let screen = maker.material(Material::Mask {
@@ -44,7 +44,7 @@ fn room() -> Built {
     let place = Affine3A::from_translation(Vec3::new(-0.3, 0.1, 0.5))
         * Affine3A::from_rotation_y(0.6)
         * Affine3A::from_scale(Vec3::splat(0.35));
-    let place = maker.exact(ExactKind::Rectangle, place);
+    let place = maker.exact(AnalyticKind::Rectangle, place);
     maker.shape(place, screen, None, false);
     let stone = both_sides(&mut maker, 0.4);
     maker.shape(
@@ -85,14 +85,14 @@ fn room() -> Built {
     let right = Affine3A::from_translation(Vec3::new(-0.97, 0.0, 0.0))
         * Affine3A::from_rotation_y(-std::f32::consts::FRAC_PI_2);
     // Seen from its back.
-    let right = maker.exact(ExactKind::Rectangle, right);
+    let right = maker.exact(AnalyticKind::Rectangle, right);
     maker.shape(right, both, None, false);
     let black = maker.diffuse(0.0);
     // Faces up, towards the ceiling.
     let up = Affine3A::from_translation(Vec3::new(0.0, 0.5, 0.2))
         * Affine3A::from_rotation_x(-std::f32::consts::FRAC_PI_2)
         * Affine3A::from_scale(Vec3::splat(0.3));
-    let lamp = maker.exact(ExactKind::Rectangle, up);
+    let lamp = maker.exact(AnalyticKind::Rectangle, up);
     maker.shape(lamp, black, Some(8.0), false);
     maker.build(Backend::default())
 }

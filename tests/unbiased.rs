@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::sync::OnceLock;
 use support::{Built, SceneMaker, Silent, film_mean, how, inside_of_cube, mesh};
-use twintree::accel::{Backend, ExactKind};
+use twintree::accel::{AnalyticKind, Backend};
 use twintree::film::Film;
 use twintree::integrate::PathSettings;
 use twintree::integrate::progress::{Limits, Spent};
@@ -37,7 +37,7 @@ fn patches() -> Built {
     let black = maker.diffuse(0.0);
     let board = Affine3A::from_translation(Vec3::new(0.0, 0.0, 0.98))
         * Affine3A::from_rotation_y(std::f32::consts::PI);
-    let board = maker.exact(ExactKind::Rectangle, board);
+    let board = maker.exact(AnalyticKind::Rectangle, board);
     maker.shape(board, black, None, false);
     let white = maker.diffuse(0.9);
     // The camera sees the board within 0.98 of its middle.
@@ -56,7 +56,7 @@ fn patches() -> Built {
     let lamp = Affine3A::from_translation(Vec3::new(0.0, 0.95, 0.0))
         * Affine3A::from_rotation_x(std::f32::consts::FRAC_PI_2)
         * Affine3A::from_scale(Vec3::splat(0.3));
-    let lamp = maker.exact(ExactKind::Rectangle, lamp);
+    let lamp = maker.exact(AnalyticKind::Rectangle, lamp);
     maker.shape(lamp, black, Some(5.0), false);
     maker.build(Backend::default())
 }

@@ -9,7 +9,7 @@ mod support;
 
 use rayon::prelude::*;
 use support::{Built, SceneMaker, Silent, grey, how, inside_of_cube};
-use twintree::accel::{Backend, ExactKind};
+use twintree::accel::{AnalyticKind, Backend};
 use twintree::bsdf::Material;
 use twintree::film::Film;
 use twintree::film::layers::{Layers, Metadata};
@@ -42,7 +42,7 @@ fn room(lamp: f32) -> Built {
     let up = Affine3A::from_translation(Vec3::new(0.0, 0.2, 0.2))
         * Affine3A::from_rotation_x(-std::f32::consts::FRAC_PI_2)
         * Affine3A::from_scale(Vec3::splat(0.25));
-    let rectangle = maker.exact(ExactKind::Rectangle, up);
+    let rectangle = maker.exact(AnalyticKind::Rectangle, up);
     maker.shape(rectangle, black, Some(lamp), false);
     maker.build(Backend::default())
 }

@@ -24,7 +24,7 @@ mod world;
 
 pub use backend::{Backend, build, prepare_thread};
 pub use error::AccelError;
-pub use shape::{ExactKind, ExactShape};
+pub use shape::{AnalyticKind, AnalyticShape};
 pub use world::world_bounds;
 
 #[cfg(test)]
@@ -202,7 +202,7 @@ pub enum Shape {
     /// Triangles.
     Triangles(Arc<TriangleMesh>),
     /// A sphere, disk, cylinder or rectangle, met exactly.
-    Exact(ExactShape),
+    Analytic(AnalyticShape),
 }
 
 /// One geometry of the world or of a group.

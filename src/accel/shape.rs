@@ -11,7 +11,7 @@ use std::f64::consts::{PI, TAU};
 
 /// Which unit shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ExactKind {
+pub enum AnalyticKind {
     /// The sphere of radius 1 around the origin; u = longitude / 2 pi from +x, v = polar angle from
     /// +z / pi.
     Sphere,
@@ -25,24 +25,24 @@ pub enum ExactKind {
 
 /// A unit shape placed by an affine map.
 #[derive(Clone, Copy, Debug)]
-pub struct ExactShape {
+pub struct AnalyticShape {
     /// Which unit shape.
-    pub kind: ExactKind,
+    pub kind: AnalyticKind,
     /// Unit space to world (or group) space.
     pub to_world: Affine3A,
     /// Its inverse.
     pub to_object: Affine3A,
 }
 
-impl ExactShape {
+impl AnalyticShape {
     /// Places a unit shape.
     ///
     /// A flat shape does not use its z axis: where that is scaled to nothing (a rectangle with
     /// `scale 2 3 0`), the axis is replaced by the normal, so that the map can be inverted.
     /// A shape that is degenerate otherwise is never hit.
-    pub fn new(kind: ExactKind, to_world: Affine3A) -> Self {
+    pub fn new(kind: AnalyticKind, to_world: Affine3A) -> Self {
         let mut to_world = to_world;
-        let flat = matches!(kind, ExactKind::Disk | ExactKind::Rectangle);
+        let flat = matches!(kind, AnalyticKind::Disk | AnalyticKind::Rectangle);
         if flat && to_world.matrix3.determinant() == 0.0 {
             let m = &mut to_world.matrix3;
             m.z_axis = m.x_axis.cross(m.y_axis).normalize_or_zero();
@@ -65,10 +65,10 @@ impl ExactShape {
         };
         let (x, y, z) = (m.x_axis, m.y_axis, m.z_axis);
         match self.kind {
-            ExactKind::Sphere => around(center, round(x, y, z)),
-            ExactKind::Disk => around(center, round(x, y, Vec3A::ZERO)),
-            ExactKind::Rectangle => around(center, x.abs() + y.abs()),
-            ExactKind::Cylinder => {
+            AnalyticKind::Sphere => around(center, round(x, y, z)),
+            AnalyticKind::Disk => around(center, round(x, y, Vec3A::ZERO)),
+            AnalyticKind::Rectangle => around(center, x.abs() + y.abs()),
+            AnalyticKind::Cylinder => {
                 let ring = round(x, y, Vec3A::ZERO);
                 around(center, ring).union(around(center + z, ring))
             }
@@ -149,36 +149,36 @@ pub struct Crossing {
 /// Where a line in unit space meets the shape's infinite surface, the nearest first; not a number
 /// where it does not.
 #[inline]
-fn roots(kind: ExactKind, o: DVec3, d: DVec3) -> [f64; 2] {
+fn roots(kind: AnalyticKind, o: DVec3, d: DVec3) -> [f64; 2] {
     match kind {
-        ExactKind::Sphere => round_roots(o, d, o.dot(d), d.length_squared()),
-        ExactKind::Cylinder => {
+        AnalyticKind::Sphere => round_roots(o, d, o.dot(d), d.length_squared()),
+        AnalyticKind::Cylinder => {
             let (o2, d2) = (o.with_z(0.0), d.with_z(0.0));
             round_roots(o2, d2, o2.dot(d2), d2.length_squared())
         }
-        ExactKind::Disk | ExactKind::Rectangle => [-o.z / d.z, f64::NAN],
+        AnalyticKind::Disk | AnalyticKind::Rectangle => [-o.z / d.z, f64::NAN],
     }
 }
 
 /// Whether a point on the shape's infinite surface belongs to the shape.
 #[inline]
-fn covers(kind: ExactKind, p: DVec3) -> bool {
+fn covers(kind: AnalyticKind, p: DVec3) -> bool {
     match kind {
-        ExactKind::Sphere => true,
-        ExactKind::Disk => p.truncate().length_squared() <= 1.0,
-        ExactKind::Cylinder => (0.0..=1.0).contains(&p.z),
-        ExactKind::Rectangle => p.x.abs() <= 1.0 && p.y.abs() <= 1.0,
+        AnalyticKind::Sphere => true,
+        AnalyticKind::Disk => p.truncate().length_squared() <= 1.0,
+        AnalyticKind::Cylinder => (0.0..=1.0).contains(&p.z),
+        AnalyticKind::Rectangle => p.x.abs() <= 1.0 && p.y.abs() <= 1.0,
     }
 }
 
 /// The surface coordinates of a point in unit space.
 #[inline]
-fn coordinates(kind: ExactKind, p: DVec3) -> (f64, f64) {
+fn coordinates(kind: AnalyticKind, p: DVec3) -> (f64, f64) {
     match kind {
-        ExactKind::Sphere => (turn(p), p.truncate().length().atan2(p.z) / PI),
-        ExactKind::Disk => (p.truncate().length(), turn(p)),
-        ExactKind::Cylinder => (turn(p), p.z.clamp(0.0, 1.0)),
-        ExactKind::Rectangle => (0.5 * (p.x + 1.0), 0.5 * (p.y + 1.0)),
+        AnalyticKind::Sphere => (turn(p), p.truncate().length().atan2(p.z) / PI),
+        AnalyticKind::Disk => (p.truncate().length(), turn(p)),
+        AnalyticKind::Cylinder => (turn(p), p.z.clamp(0.0, 1.0)),
+        AnalyticKind::Rectangle => (0.5 * (p.x + 1.0), 0.5 * (p.y + 1.0)),
     }
 }
 

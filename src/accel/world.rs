@@ -86,7 +86,7 @@ fn bounds_of_all(geometries: &[Geometry]) -> Bounds {
 
 fn bounds_of(shape: &Shape) -> Bounds {
     let mesh = match shape {
-        Shape::Exact(exact) => {
+        Shape::Analytic(exact) => {
             let b = exact.bounds();
             let finite = b.min.is_finite() && b.max.is_finite();
             return if finite { b } else { Bounds::EMPTY };

@@ -9,8 +9,8 @@
 //! the path came from, `wi` towards where it goes on. `eval` includes the factor |cos theta_i|.
 
 use crate::math::{Frame, Rgb, Vec2, Vec3};
+use diffuse_only::Form;
 use lobes::{Lobe, weighted};
-use plain::Form;
 
 /// Index of a [`Material`] in [`Materials`].
 pub type MaterialId = u32;
@@ -70,7 +70,9 @@ pub struct BsdfSample {
     pub lobe: LobeFlags,
 }
 
-mod apart;
+mod coat_and_base;
+mod delta_split;
+mod diffuse_only;
 mod facet_albedo;
 mod filtering;
 mod fresnel;
@@ -81,17 +83,15 @@ pub mod material;
 mod materials;
 mod microfacet;
 mod needs;
-mod parts;
 mod perturb;
-mod plain;
 mod resolve;
 mod transmittance;
 mod tree;
 
-pub use apart::{Apart, Rest};
+pub use coat_and_base::View;
+pub use delta_split::{DeltaSplit, Rest};
 pub use material::Material;
 pub use materials::Materials;
-pub use parts::View;
 
 /// A material at one point: plain numbers, ready to sample.
 ///

@@ -1,13 +1,13 @@
 //! From a material and a point to numbers: every texture is looked up once, sides are chosen,
 //! frames turned.
 
+use super::diffuse_only::Form;
 use super::fresnel::sane_eta;
 use super::layer::{Coating, Layer, RoughCoating};
 use super::lobes::diffuse::Diffuse;
 use super::lookup::Lookup;
 use super::material::Turning;
 use super::perturb::{Perturbation, bumped_normal};
-use super::plain::Form;
 use super::tree::{Mix, Node, NodeId, Tree};
 use super::{Bsdf, LobeFlags, Material, MaterialId, Materials};
 use crate::math::{Frame, Vec2, Vec3, luminance};

@@ -8,7 +8,7 @@ use super::ray_args::RayArgs;
 use super::scene_args::SceneArgs;
 use super::targets::{check_distinct, named, try_target};
 use super::values::Pixel;
-use super::{Failure, console, output, overrides};
+use super::{Failure, console, output, settings};
 use crate::camera::Camera;
 use crate::image::{Format, Image, WriteOptions};
 use crate::integrate::View;
@@ -77,7 +77,7 @@ fn look(args: &FieldArgs, scene: &Path, opened: &Opened) -> Result<(), Failure> 
         hide_emitters: !args.direct,
         strict_normals: false,
     };
-    let settings = overrides::path_settings(&light, &description.render);
+    let settings = settings::path_settings(&light, &description.render);
     let guide = to_guide(&opened.file);
     let view = View {
         scene: &scene,
@@ -106,7 +106,7 @@ fn read(args: &FieldArgs, scene: &Path, opened: &Opened) -> Result<(Loaded, Scen
     let named = SceneArgs::of(scene, &args.define, args.lenient);
     let mut loaded = load::load(&named, &Input::of(&named)?, None)?;
     let (width, height) = (args.size.width, args.size.height);
-    overrides::resize(&mut loaded.description.film, width, height);
+    settings::resize(&mut loaded.description.film, width, height);
     opened.check(loaded.fingerprint()?, args.any_scene)?;
     let scene = loaded.build(&RayArgs::default())?;
     Ok((loaded, scene))

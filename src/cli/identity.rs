@@ -6,7 +6,7 @@
 
 use super::args::RenderArgs;
 use super::field_args::Guide;
-use super::{Failure, overrides};
+use super::{Failure, settings};
 use crate::accel::BuildQuality;
 use crate::film::part::{Identity, Origin, Record};
 use crate::film::{Film, FilmDescription, Shard};
@@ -115,7 +115,7 @@ fn settings(args: &RenderArgs, subject: &Subject, limits: &Limits) -> Vec<(Strin
     let (guide, learn) = (args.guide.way(), &args.guide.learn);
     add("--guide", &guide);
     if guide != Guide::None {
-        match overrides::photons_for(learn, film, limits) {
+        match settings::photons_for(learn, film, limits) {
             Budget::Exactly { photons, .. } => add("--photons", &photons),
             Budget::AsNeeded { samples, time } => {
                 // What a clock decides is not the same twice in any case.

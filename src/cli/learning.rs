@@ -2,7 +2,7 @@
 //! it.
 
 use super::field_args::{Guide as Way, GuideArgs, GuideModel, LearnArgs, Teachers, Trial};
-use super::{Failure, overrides};
+use super::{Failure, settings};
 use crate::guide::FieldFile;
 use crate::image::atomic;
 use crate::integrate::View;
@@ -137,7 +137,7 @@ pub fn guiding(
     if let Some(opened) = opened {
         let mut guide = to_guide(&opened.file).with_mixture(args.mixture.0);
         // The same chains for any number of samples: a render that is resumed may ask for more.
-        let chains = find_chains(view, overrides::photons_alone(&args.learn));
+        let chains = find_chains(view, settings::photons_alone(&args.learn));
         guide.manifold = chains.map(ManifoldSampling::new);
         trial::try_manifold(view, &mut guide);
         describe_manifold(&guide);
@@ -160,9 +160,9 @@ pub fn guiding(
             photons: args.learn.photons.unwrap_or(mixtures::PHOTONS),
             batches: args.learn.batches,
         },
-        _ => overrides::photons_for(&args.learn, view.film, limits),
+        _ => settings::photons_for(&args.learn, view.film, limits),
     };
-    let mut settings = overrides::learn_settings(&args.learn, view.settings, photons)?;
+    let mut settings = settings::learn_settings(&args.learn, view.settings, photons)?;
     settings.mixture = args.mixture.0;
     settings.trial = args.trial == Trial::Auto;
     if view.scene.lights.is_empty() {
@@ -269,8 +269,8 @@ fn describe_manifold(guide: &Guide) {
 /// # Errors
 /// When there is nothing to learn from.
 pub fn teach(args: &LearnArgs, view: &View) -> Result<Learned, Failure> {
-    let photons = overrides::photons_alone(args);
-    let settings = overrides::learn_settings(args, view.settings, photons)?;
+    let photons = settings::photons_alone(args);
+    let settings = settings::learn_settings(args, view.settings, photons)?;
     let learned = learn(view, &settings)?;
     tracing::info!(
         "learned from {} photons ({} landings) and {} camera paths in {}: {} links in {} cells, {}",
@@ -300,8 +300,8 @@ pub fn warn_of_invalid_photons(counts: &PhotonCounts) {
 pub fn records(file: &FieldFile) -> String {
     format!(
         "{} photons and {} camera paths",
-        words::count(file.ledger.photons.count() as f64),
-        words::count(file.ledger.paths.count() as f64)
+        words::count(file.sample_ranges.photons.count() as f64),
+        words::count(file.sample_ranges.paths.count() as f64)
     )
 }
 

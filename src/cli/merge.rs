@@ -6,7 +6,7 @@
 use super::Failure;
 use super::output::Outputs;
 use super::part_args::MergeArgs;
-use super::{memory, overrides};
+use super::{memory, settings};
 use crate::film::Film;
 use crate::film::layers::Metadata;
 use crate::film::part::{PartReader, Record};
@@ -38,7 +38,7 @@ pub fn run(args: &MergeArgs) -> Result<(), Failure> {
     };
     let outputs = Outputs::plan(&args.files, Path::new(&first.origin.scene), None)?;
     outputs.spare("one of the parts", &args.parts)?;
-    overrides::check_memory(first.region)?;
+    settings::check_memory(first.region)?;
     let film = read(&parts)?;
     let missing = missing(&parts, &film);
     if let Some(missing) = &missing {

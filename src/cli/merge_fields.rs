@@ -33,7 +33,7 @@ pub fn run(args: &MergeFieldsArgs) -> Result<(), Failure> {
     let Some(sum) = sum else {
         return Err(Failure::Wrong("there are no fields to add".into()));
     };
-    if let Some(missing) = sum.file.ledger.missing() {
+    if let Some(missing) = sum.file.sample_ranges.missing() {
         if !args.partial {
             return Err(Failure::wrong(
                 format!("records are missing: {missing}"),

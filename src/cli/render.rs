@@ -13,7 +13,7 @@ use super::preview::Tev;
 use super::progress::Watch;
 use super::values::Preview;
 use super::waiting::Waiting;
-use super::{Failure, invalid, learning, overrides, threads, view};
+use super::{Failure, invalid, learning, settings, threads, view};
 use crate::camera::Camera;
 use crate::film::Film;
 use crate::integrate::View;
@@ -70,8 +70,8 @@ pub fn run(args: &RenderArgs, console: &Console, interrupt: &Interrupt) -> Resul
     let scene = timed(&mut times.build, || loaded.build(&args.rays))?;
     let description = &loaded.description;
     let (width, height) = (description.film.width, description.film.height);
-    let settings = overrides::guided_path_settings(args, &description.render);
-    let limits = overrides::limits(&args.stop, &description.render);
+    let settings = settings::guided_path_settings(args, &description.render);
+    let limits = settings::limits(&args.stop, &description.render);
     let camera = Camera::new(&description.camera, width, height);
     view::warn(&scene, &camera, &description.camera, &description.film);
     let plain = View {
@@ -196,7 +196,7 @@ fn read(args: &RenderArgs, input: &Input, times: &mut Times) -> Result<(Loaded, 
     let mut loaded = timed(&mut times.load, || {
         load::load(&args.scene, input, Some(&args.picture))
     })?;
-    overrides::apply_to_film(args, &mut loaded.description)?;
+    settings::apply_to_film(args, &mut loaded.description)?;
     let triangles = triangles(&loaded.description);
     tracing::info!(
         "{}: {} shapes, {} triangles, read in {}",

@@ -2,8 +2,8 @@
 
 use super::values::{self, Definition};
 use crate::math::DVec3;
+use crate::scene::import::default_scene::{self, Sky, View};
 use crate::scene::import::models::palette::Paint;
-use crate::scene::import::studio::{self, Sky, View};
 use clap::{Args, Subcommand, ValueEnum};
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -55,7 +55,7 @@ pub struct StudioArgs {
     )]
     pub camera: Option<View>,
     /// Point that the camera looks at [default: the middle of the models]
-    #[arg(long, value_name = "X,Y,Z", value_parser = studio::point, allow_hyphen_values = true, help_heading = "Models without a scene")]
+    #[arg(long, value_name = "X,Y,Z", value_parser = default_scene::point, allow_hyphen_values = true, help_heading = "Models without a scene")]
     pub look_at: Option<DVec3>,
     /// Field of view along the picture's shorter side, degrees [default: the camera's, or 35]
     #[arg(long, value_name = "DEGREES", value_parser = values::field_of_view, help_heading = "Models without a scene")]

@@ -2,7 +2,7 @@
 
 use super::args::RenderArgs;
 use super::load::{self, Input};
-use super::{Failure, console, learning, overrides};
+use super::{Failure, console, learning, settings};
 use crate::camera::Camera;
 use crate::film::FilmDescription;
 use crate::integrate::View;
@@ -23,15 +23,15 @@ pub fn run(args: &RenderArgs, pixel: [u32; 2]) -> Result<(), Failure> {
     if let Some(field) = &field {
         field.check(loaded.fingerprint()?, args.guide.any_scene)?;
     }
-    overrides::apply_to_film(args, &mut loaded.description)?;
+    settings::apply_to_film(args, &mut loaded.description)?;
     check_pixel(&loaded.description.film, pixel)?;
     let shapes = loaded.description.shapes.iter();
     let names: Vec<String> = shapes.map(|s| s.name.clone()).collect();
     let scene = loaded.build(&args.rays)?;
     let description = &loaded.description;
     let film = &description.film;
-    let settings = overrides::guided_path_settings(args, &description.render);
-    let limits = overrides::limits(&args.stop, &description.render);
+    let settings = settings::guided_path_settings(args, &description.render);
+    let limits = settings::limits(&args.stop, &description.render);
     let camera = Camera::new(&description.camera, film.width, film.height);
     let plain = View {
         scene: &scene,

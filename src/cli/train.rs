@@ -6,7 +6,7 @@ use super::learning::{self, Opened};
 use super::load::Input;
 use super::ray_args::RayArgs;
 use super::waiting::Waiting;
-use super::{Failure, load, output, overrides, targets};
+use super::{Failure, load, output, settings, targets};
 use crate::camera::Camera;
 use crate::integrate::View;
 use crate::integrate::training::extend::{More, extend, to_file};
@@ -30,7 +30,7 @@ pub fn run(args: &TrainArgs, console: &Console) -> Result<(), Failure> {
     let base = args.field.as_deref().map(Opened::read).transpose()?;
     let mut loaded = load::load(&args.scene, &input, None)?;
     let (width, height) = (args.size.width, args.size.height);
-    overrides::resize(&mut loaded.description.film, width, height);
+    settings::resize(&mut loaded.description.film, width, height);
     let fingerprint = loaded.fingerprint()?;
     if let Some(base) = &base {
         base.check(fingerprint, false)?;
@@ -46,7 +46,7 @@ pub fn run(args: &TrainArgs, console: &Console) -> Result<(), Failure> {
     }
     let description = &loaded.description;
     let film = &description.film;
-    let mut settings = overrides::path_settings(&args.light, &description.render);
+    let mut settings = settings::path_settings(&args.light, &description.render);
     if let Some(base) = &base {
         // Records follow those of the base: their numbers mean something for one seed only.
         settings.seed = base.file.trainer.settings().seed;
@@ -64,8 +64,8 @@ pub fn run(args: &TrainArgs, console: &Console) -> Result<(), Failure> {
         Some(base) => further(args, base, &view)?,
         None => {
             let learned = learning::teach(&args.learn, &view)?;
-            let photons = overrides::photons_alone(&args.learn);
-            let how = overrides::learn_settings(&args.learn, &settings, photons)?;
+            let photons = settings::photons_alone(&args.learn);
+            let how = settings::learn_settings(&args.learn, &settings, photons)?;
             to_file(&view, &how, learned, fingerprint)
         }
     };
@@ -76,7 +76,7 @@ pub fn run(args: &TrainArgs, console: &Console) -> Result<(), Failure> {
 /// Photons and paths that will be learned from.
 fn records(args: &TrainArgs) -> u64 {
     let learn = &args.learn;
-    let (photons, paths) = (learn.photons.unwrap_or(overrides::PHOTONS), learn.paths);
+    let (photons, paths) = (learn.photons.unwrap_or(settings::PHOTONS), learn.paths);
     let all = match learn.train {
         Teachers::Photons => photons,
         Teachers::Paths => paths,
@@ -93,12 +93,12 @@ fn further(
 ) -> Result<crate::guide::FieldFile, Failure> {
     let start = Instant::now();
     let more = More {
-        photons: args.learn.photons.unwrap_or(overrides::PHOTONS),
+        photons: args.learn.photons.unwrap_or(settings::PHOTONS),
         paths: args.learn.paths,
         share: args.shard.map(|s| (s.index, s.count)),
     };
-    let photons = overrides::photons_alone(&args.learn);
-    let how = overrides::learn_settings(&args.learn, view.settings, photons)?;
+    let photons = settings::photons_alone(&args.learn);
+    let how = settings::learn_settings(&args.learn, view.settings, photons)?;
     let (file, counts) = extend(view, &how, &base.file, &more)
         .map_err(|e| Failure::Wrong(format!("{}: {e}", base.path.display())))?;
     learning::warn_of_invalid_photons(&counts);

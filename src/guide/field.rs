@@ -5,7 +5,7 @@
 //! number. Where P divides directions, too, the cell's flux is kept by base direction cell, and its
 //! links are found through [`Lists`].
 
-use super::lists::{GROUPS, Lists};
+use super::link_index::{GROUPS, Lists};
 use super::model::FrozenSet;
 use super::settings::Product;
 use super::space::Grid;

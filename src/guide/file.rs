@@ -1,7 +1,7 @@
 //! The field file: sums, not densities, so that fields trained apart add up.
 //!
 //! Little-endian. Magic, version, length of the rest, CRC-32 of the rest; then, as JSON, the
-//! settings (among them the scene's identity and bounds) and the [`Ledger`] (which photons and
+//! settings (among them the scene's identity and bounds) and the [`SampleRanges`] (which photons and
 //! paths are in it), the mixture fractions and chances of light samples, and the trees with their
 //! sums (see `content.rs`). Whatever is wrong with a file is said with the byte where it shows.
 
@@ -9,7 +9,7 @@ use super::Field;
 use super::bytes::{Reader, Writer};
 use super::content::{read_body, write_body};
 use super::fraction::{Fractions, Habits};
-use super::ledger::Ledger;
+use super::sample_ranges::SampleRanges;
 use super::settings::{GuideError, Settings};
 use super::train::Trainer;
 use serde::{Deserialize, Serialize};
@@ -26,7 +26,7 @@ pub struct FieldFile {
     /// The trees and their sums.
     pub trainer: Trainer,
     /// Which records are in it.
-    pub ledger: Ledger,
+    pub sample_ranges: SampleRanges,
     /// What R's leaves have learned about chances, in preorder, which no history of splits can
     /// change; none, if nothing was learned about them.
     pub(super) fractions: Vec<Habits>,
@@ -36,23 +36,28 @@ pub struct FieldFile {
 #[derive(Serialize, Deserialize)]
 struct Head {
     settings: Settings,
-    ledger: Ledger,
+    sample_ranges: SampleRanges,
 }
 
 impl FieldFile {
     /// A trainer with its history, its frozen field and the fractions that were learned with that.
-    pub fn new(trainer: Trainer, ledger: Ledger, field: &Field, fractions: &Fractions) -> Self {
+    pub fn new(
+        trainer: Trainer,
+        sample_ranges: SampleRanges,
+        field: &Field,
+        fractions: &Fractions,
+    ) -> Self {
         let cells = trainer.cells_in_preorder(field);
         Self {
             fractions: fractions.of_cells(&cells),
             trainer,
-            ledger,
+            sample_ranges,
         }
     }
 
     /// The field for sampling and its mixture fractions.
     pub fn freeze(&self) -> (Field, Fractions) {
-        let field = if self.ledger.unrefined {
+        let field = if self.sample_ranges.unrefined {
             // Sums that fields are added by stay as they are; the copy's models take them in.
             let mut copy = self.trainer.clone();
             copy.refit();
@@ -70,10 +75,10 @@ impl FieldFile {
     pub fn emptied(&self) -> Self {
         Self {
             trainer: self.trainer.emptied(),
-            ledger: Ledger {
-                recipe: self.ledger.recipe.clone(),
+            sample_ranges: SampleRanges {
+                recipe: self.sample_ranges.recipe.clone(),
                 unrefined: true,
-                ..Ledger::default()
+                ..SampleRanges::default()
             },
             fractions: self.fractions.clone(),
         }
@@ -87,7 +92,7 @@ impl FieldFile {
     /// twice; nothing is changed then.
     pub fn merge(&mut self, other: &Self) -> Result<(), GuideError> {
         if self.trainer.settings().scene_hash == other.trainer.settings().scene_hash {
-            if let Some(why) = self.ledger.conflict(&other.ledger) {
+            if let Some(why) = self.sample_ranges.conflict(&other.sample_ranges) {
                 return Err(GuideError::Records(why));
             }
         }
@@ -96,7 +101,7 @@ impl FieldFile {
             return Err(GuideError::Merge(why.to_owned()));
         }
         self.trainer.merge(&other.trainer)?;
-        self.ledger.join(&other.ledger);
+        self.sample_ranges.join(&other.sample_ranges);
         Ok(())
     }
 
@@ -105,7 +110,7 @@ impl FieldFile {
         let mut w = Writer::default();
         let head = Head {
             settings: self.trainer.settings().clone(),
-            ledger: self.ledger.clone(),
+            sample_ranges: self.sample_ranges.clone(),
         };
         // Settings and ledger hold numbers and names only: this cannot fail.
         let head = serde_json::to_vec(&head).unwrap_or_default();
@@ -141,7 +146,7 @@ impl FieldFile {
             Err(e) => return damaged(&format!("the head ends in {e}"), &r),
         };
         head.settings.validate()?;
-        if !head.ledger.is_sound() {
+        if !head.sample_ranges.is_sound() {
             return damaged("the numbers of records do not fit together", &r);
         }
         let fractions = read_fractions(&mut r);
@@ -159,7 +164,7 @@ impl FieldFile {
         }
         Ok(Self {
             trainer,
-            ledger: head.ledger,
+            sample_ranges: head.sample_ranges,
             fractions,
         })
     }
@@ -234,7 +239,7 @@ impl Trainer {
     fn as_file(&self) -> FieldFile {
         FieldFile {
             trainer: self.clone(),
-            ledger: Ledger::default(),
+            sample_ranges: SampleRanges::default(),
             fractions: Vec::new(),
         }
     }

@@ -1,8 +1,8 @@
 //! From sums to something to sample: densities, cells, and who learns from whom.
 
 use super::field::{Field, LEAF};
+use super::link_index::Lists;
 use super::links::Split;
-use super::lists::Lists;
 use super::model::{LEVELS_UP, Neighbourhood};
 use super::record::Origin;
 use super::settings::Source;

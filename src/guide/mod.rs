@@ -129,7 +129,7 @@
 //!   region, but a cell that has not met it yet draws it with the density of the dim light around.
 //!   So a cell of Gaussians draws one direction in twenty from the narrow lobes of the cells around
 //!   it: relative variance in the torus 3.5 instead of 5.9, worst pixels included 30 instead of 48,
-//!   the same elsewhere (`guide/model/needles.rs`). From all cells of the scene instead of those
+//!   the same elsewhere (`guide/model/neighbour_lobes.rs`). From all cells of the scene instead of those
 //!   below the cell three levels up: 5.3 against 4.7.
 //! * **Exact sums.** Fluxes are 128-bit integers in quanta of 2^-60 of a typical photon
 //!   ([`crate::math::sum`]), everything else trained is an integer, too. So the same records give
@@ -247,7 +247,7 @@
 //! * [`Fractions`] learns for each cell of R how often to sample the field instead of the BSDF, and
 //!   how often to sample a light.
 //! * [`FieldFile`] keeps sums, not densities, so that a field can be trained further elsewhere, and
-//!   a [`Ledger`] of what it has learned from, so that nothing is counted twice; damaged and
+//!   a [`SampleRanges`] of what it has learned from, so that nothing is counted twice; damaged and
 //!   foreign files are refused with a reason and a place.
 //! * [`Trainer::set_importance`] and [`Trainer::set_importance_sample`] confine refinement to cells
 //!   that camera paths meet.
@@ -262,7 +262,6 @@
 //! part).
 
 mod adam;
-mod again;
 mod bytes;
 mod content;
 mod field;
@@ -273,10 +272,9 @@ mod gaussian;
 pub mod gmm;
 mod importance;
 mod intake;
-mod ledger;
 mod light_chance;
+mod link_index;
 mod links;
-mod lists;
 mod merge;
 mod model;
 mod quantise;
@@ -285,22 +283,24 @@ mod random;
 mod recent;
 mod record;
 mod refine;
+mod replay;
+mod sample_ranges;
 mod settings;
 mod space;
 mod stats;
 mod tally;
 mod train;
 
-pub use again::BATCH;
 pub use field::Field;
 pub use file::FieldFile;
 pub use fraction::{Chances, FLOOR, FractionRecord, Fractions};
-pub use ledger::{Ledger, Numbers};
 pub use light_chance::LEAST as LEAST_LIGHT;
 pub use model::ModelKind;
 pub use query::{GuideSample, LocalField};
 pub use record::{PathSample, Photon, SurfacePoint};
 pub use refine::Refined;
+pub use replay::BATCH;
+pub use sample_ranges::{Numbers, SampleRanges};
 pub use settings::{GuideError, Product, Settings, Source, Target};
 pub use stats::Stats;
 pub use train::{Intakes, Trainer};

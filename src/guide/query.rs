@@ -1,7 +1,7 @@
 //! *Sample* and its density at one vertex of one path.
 
 use super::field::Field;
-use super::lists::{GROUPS, Lists, Slot};
+use super::link_index::{GROUPS, Lists, Slot};
 use super::model::Query;
 use crate::math::equal_area::{DirectionCell, direction_code};
 use crate::math::rng::BELOW_ONE;

@@ -278,7 +278,7 @@ impl Trainer {
 pub(crate) const NODE_BYTES: usize = size_of::<super::links::ProductNode>();
 /// Bytes of a node of R in training plus a frozen cell's look-up tables.
 pub(crate) const SPACE_BYTES: usize =
-    size_of::<super::space::SpaceNode>() + super::lists::CELL_BYTES;
+    size_of::<super::space::SpaceNode>() + super::link_index::CELL_BYTES;
 
 pub(crate) fn region(space: &Space, link: &Link) -> Region {
     Region {

@@ -16,7 +16,7 @@ use super::settings::{PathSettings, Roulette};
 use super::splitting::SplitPaths;
 use super::vertex::Vertex;
 use crate::accel::Ray;
-use crate::bsdf::{Apart, Bsdf, BsdfSample, LobeFlags, Rest, Transport};
+use crate::bsdf::{Bsdf, BsdfSample, DeltaSplit, LobeFlags, Rest, Transport};
 use crate::light::Shining;
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::texture::SurfacePoint;
@@ -218,7 +218,7 @@ fn query_field<'s>(
     bsdf: &Bsdf,
     wo: Vec3,
     path: &mut GuidedPath,
-) -> (Option<GuidedVertex<'s>>, Option<Apart>) {
+) -> (Option<GuidedVertex<'s>>, Option<DeltaSplit>) {
     let guide = context.guide;
     let guided = guide.and_then(|g| g.at(point, bsdf, wo, path.base.throughput));
     if guided.is_some() {

@@ -14,7 +14,7 @@ use super::path::Arrival;
 use super::roulette::MOST_WAYS;
 use super::splitting::SplitPaths;
 use crate::accel::Ray;
-use crate::bsdf::{Apart, Bsdf, BsdfSample, LobeFlags, Transport};
+use crate::bsdf::{Bsdf, BsdfSample, DeltaSplit, LobeFlags, Transport};
 use crate::math::rng::BELOW_ONE;
 use crate::math::{Rgb, Vec3};
 
@@ -61,12 +61,17 @@ impl Share {
 /// The delta lobe and the rest, where both are to be considered: at vertices that a field guides,
 /// and at those between mirrors and glass that a guided path meets.
 #[inline]
-pub fn delta_and_rest(path: &GuidedPath, guided: bool, bsdf: &Bsdf, wo: Vec3) -> Option<Apart> {
+pub fn delta_and_rest(
+    path: &GuidedPath,
+    guided: bool,
+    bsdf: &Bsdf,
+    wo: Vec3,
+) -> Option<DeltaSplit> {
     let unknown = !guided && bsdf.flags().has(LobeFlags::SMOOTH);
     if path.split_budget <= 1.0 || unknown || 2 * path.split_factor > MOST_WAYS {
         return None;
     }
-    bsdf.apart(wo, Transport::Radiance)
+    bsdf.split_delta(wo, Transport::Radiance)
 }
 
 /// What is left to a path once its lobes are drawn.
@@ -86,7 +91,7 @@ pub enum Remainder {
 /// sun, mixtures and 64 samples: 0.064 instead of 0.047), and with a number beside the path's own,
 /// glints were not stratified (its RMSE 0.34 instead of 0.15).
 pub fn split(
-    split_delta: &Apart,
+    split_delta: &DeltaSplit,
     guided: bool,
     u: f32,
     path: &mut GuidedPath,
@@ -213,7 +218,7 @@ mod tests {
     }
 
     /// A delta lobe of probability `p`, and others.
-    fn lobes(p: f32) -> Apart {
+    fn lobes(p: f32) -> DeltaSplit {
         let mut rest = Rest::ALL;
         rest.chance = 1.0 - p;
         let delta = BsdfSample {
@@ -223,6 +228,6 @@ mod tests {
             eta: 1.0,
             lobe: LobeFlags::DELTA,
         };
-        Apart { delta, rest }
+        DeltaSplit { delta, rest }
     }
 }

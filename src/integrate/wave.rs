@@ -229,7 +229,7 @@ impl Wave {
         self.shadows.retain(|_| blocked.next() == Some(&false));
         for shadows in self.shadows.chunks(AHEAD) {
             let offers = shadows.iter().map(|shadow| &shadow.offer.incoming);
-            scene.lights.touch(offers);
+            scene.lights.prefetch(offers);
             for ShadowRay { accumulator, offer } in shadows {
                 let radiance = offer.radiance(&scene.lights);
                 self.outcomes[*accumulator as usize].radiance += radiance;
@@ -264,7 +264,7 @@ impl Bounces<'_> {
         for i in 0..paths.len() {
             if i % AHEAD == 0 {
                 let next = &self.hits[i..(i + AHEAD).min(paths.len())];
-                context.scene.surfaces.touch(next);
+                context.scene.surfaces.prefetch(next);
             }
             // Moved up before it goes on: a copy of what was just written would wait for it.
             paths[kept] = paths[i];

@@ -1,14 +1,14 @@
 //! A shape that glows: which leaves its surface became, and the radiance at each point.
 
 use super::EmitterShape;
+use super::analytic::AnalyticArea;
 use super::cluster::Cluster;
-use super::exact::ExactArea;
 use super::incident::Place;
 use super::leaf::Leaf;
 use super::quad::Quad;
 use super::sphere::Sphere;
 use super::triangle::Triangle;
-use crate::accel::{ExactKind, ExactShape, Shape, TriangleMesh};
+use crate::accel::{AnalyticKind, AnalyticShape, Shape, TriangleMesh};
 use crate::math::rgb::{sanitized, selection_weight};
 use crate::math::{Frame, Mat3, Rgb, Vec2, Vec3};
 use crate::texture::{SurfacePoint, Texture};
@@ -75,7 +75,7 @@ impl AreaEmitter {
 
     fn prim_count(&self) -> usize {
         match &self.shape.shape {
-            Shape::Exact(_) => 1,
+            Shape::Analytic(_) => 1,
             Shape::Triangles(mesh) => mesh.triangles().len(),
         }
     }
@@ -84,7 +84,7 @@ impl AreaEmitter {
     fn side(&self, back: bool) -> Vec<(Leaf, [Option<u32>; 2])> {
         let flip = self.shape.flip_normals != back;
         match &self.shape.shape {
-            Shape::Exact(exact) => exact_leaf(exact, flip),
+            Shape::Analytic(exact) => exact_leaf(exact, flip),
             Shape::Triangles(mesh) => mesh_leaves(mesh, flip, self.constant.is_some()),
         }
     }
@@ -118,7 +118,7 @@ impl AreaEmitter {
     #[inline]
     pub fn leaf(&self, prim: u32, back: bool) -> u32 {
         let prim = match self.shape.shape {
-            Shape::Exact(_) => 0,
+            Shape::Analytic(_) => 0,
             Shape::Triangles(_) => prim as usize,
         };
         let first = if back { self.leaf_of.len() / 2 } else { 0 };
@@ -155,7 +155,7 @@ impl AreaEmitter {
                 point.barycentric = b;
                 point.uv = self.triangle_uv(vertices, b);
             }
-            (_, Shape::Exact(exact)) => point.uv = exact_uv(exact, q),
+            (_, Shape::Analytic(exact)) => point.uv = exact_uv(exact, q),
             (Place::Surface, Shape::Triangles(_)) => {}
         }
         sanitized(self.radiance.eval(&point))
@@ -198,11 +198,11 @@ fn mesh_leaves(mesh: &TriangleMesh, flip: bool, constant: bool) -> Vec<(Leaf, [O
     leaves
 }
 
-fn exact_leaf(exact: &ExactShape, flip: bool) -> Vec<(Leaf, [Option<u32>; 2])> {
+fn exact_leaf(exact: &AnalyticShape, flip: bool) -> Vec<(Leaf, [Option<u32>; 2])> {
     let m = Mat3::from(exact.to_world.matrix3);
     let center = Vec3::from(exact.to_world.translation);
     let leaf = match exact.kind {
-        ExactKind::Rectangle => {
+        AnalyticKind::Rectangle => {
             // The side of +z, which a mirroring map does not turn over.
             let side = if m.determinant() < 0.0 { -1.0 } else { 1.0 };
             let side = if flip { -side } else { side };
@@ -211,12 +211,12 @@ fn exact_leaf(exact: &ExactShape, flip: bool) -> Vec<(Leaf, [Option<u32>; 2])> {
             Quad::new(corner, [m.x_axis * 2.0, m.y_axis * 2.0], facing)
                 .map(|q| Leaf::Quad(Box::new(q)))
         }
-        ExactKind::Sphere => match uniform_scale(&m) {
+        AnalyticKind::Sphere => match uniform_scale(&m) {
             Some(radius) => Sphere::new(center, radius, flip).map(Leaf::Sphere),
-            None => ExactArea::new(*exact, flip).map(|e| Leaf::Exact(Box::new(e))),
+            None => AnalyticArea::new(*exact, flip).map(|e| Leaf::Analytic(Box::new(e))),
         },
-        ExactKind::Disk | ExactKind::Cylinder => {
-            ExactArea::new(*exact, flip).map(|e| Leaf::Exact(Box::new(e)))
+        AnalyticKind::Disk | AnalyticKind::Cylinder => {
+            AnalyticArea::new(*exact, flip).map(|e| Leaf::Analytic(Box::new(e)))
         }
     };
     leaf.map(|l| (l, [Some(0), None])).into_iter().collect()
@@ -233,16 +233,18 @@ fn uniform_scale(m: &Mat3) -> Option<f32> {
     (near(y.length(), scale) && near(z.length(), scale) && square).then_some(scale)
 }
 
-/// Texture coordinates of a point on an exact shape (see [`ExactKind`]).
-fn exact_uv(exact: &ExactShape, q: Vec3) -> Vec2 {
+/// Texture coordinates of a point on an exact shape (see [`AnalyticKind`]).
+fn exact_uv(exact: &AnalyticShape, q: Vec3) -> Vec2 {
     let p = exact.to_object.transform_point3(q);
     let turn = p.y.atan2(p.x) / TAU;
     let turn = if turn < 0.0 { turn + 1.0 } else { turn };
     match exact.kind {
-        ExactKind::Sphere => Vec2::new(turn, Vec2::new(p.x, p.y).length().atan2(p.z) * FRAC_1_PI),
-        ExactKind::Disk => Vec2::new(Vec2::new(p.x, p.y).length(), turn),
-        ExactKind::Cylinder => Vec2::new(turn, p.z),
-        ExactKind::Rectangle => Vec2::new(p.x, p.y) * 0.5 + 0.5,
+        AnalyticKind::Sphere => {
+            Vec2::new(turn, Vec2::new(p.x, p.y).length().atan2(p.z) * FRAC_1_PI)
+        }
+        AnalyticKind::Disk => Vec2::new(Vec2::new(p.x, p.y).length(), turn),
+        AnalyticKind::Cylinder => Vec2::new(turn, p.z),
+        AnalyticKind::Rectangle => Vec2::new(p.x, p.y) * 0.5 + 0.5,
     }
 }
 

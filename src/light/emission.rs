@@ -96,7 +96,7 @@ fn power(leaf: &Leaf, radiance: Rgb, target: &Target) -> f32 {
             l.intensity(local) * (TAU * l.one_minus_cos_cutoff())
         }),
         Leaf::Projector(l) => mean_power(|u| l.slide(u) * l.slide_area()),
-        Leaf::Triangle(_) | Leaf::Quad(_) | Leaf::Sphere(_) | Leaf::Exact(_) => {
+        Leaf::Triangle(_) | Leaf::Quad(_) | Leaf::Sphere(_) | Leaf::Analytic(_) => {
             projected_angle(leaf, target) * leaf.area() * selection_weight(radiance)
         }
     }
@@ -205,7 +205,7 @@ impl Lights {
                     power,
                 ))
             }
-            Leaf::Triangle(_) | Leaf::Quad(_) | Leaf::Sphere(_) | Leaf::Exact(_) => {
+            Leaf::Triangle(_) | Leaf::Quad(_) | Leaf::Sphere(_) | Leaf::Analytic(_) => {
                 let area = self.areas[emitter as usize].as_ref()?;
                 let (org, ng, density, place) = leaf.point(at);
                 let radiance = area.radiance_at(org, ng, place);

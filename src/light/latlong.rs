@@ -7,8 +7,8 @@
 //! sine of the polar angle), then a place in it from the bilinear patch through them. Where a sun
 //! covers a few texels the density follows its flanks exactly.
 
-use super::beacon::{BRIGHT, Beacon, LEAST_SHARE};
 use super::blocks::Blocks;
+use super::caustic_emitter::{BRIGHT, CausticEmitter, LEAST_SHARE};
 use crate::math::distribution::sample_linear;
 use crate::math::rgb::selection_weight;
 use crate::math::{Mat3, Rgb, Vec2, Vec3};
@@ -76,7 +76,7 @@ impl LatLong {
     }
 
     /// The sun, if there is one.
-    pub fn beacon(&self) -> Option<Beacon> {
+    pub fn caustic_emitter(&self) -> Option<CausticEmitter> {
         let bright = selection_weight(self.integral) * (BRIGHT / (4.0 * PI));
         let suns = (0..self.pixels.len()).filter(|&i| selection_weight(self.pixels[i]) > bright);
         let suns: Vec<(Vec3, f64)> = suns.map(|i| self.texel(i)).collect();
@@ -92,7 +92,7 @@ impl LatLong {
             .fold(0.0, f32::max);
         // Values are bilinear between texels: the rim reaches to the next ones.
         let texel = (TAU / self.width as f32).max(self.theta_max / (self.height - 1) as f32);
-        Beacon::sun(center, farthest + texel)
+        CausticEmitter::sun(center, farthest + texel)
     }
 
     /// The world direction of a texel, and the light that comes from there, per area.
@@ -132,7 +132,7 @@ impl LatLong {
 
     /// Reads a word of what [`LatLong::radiance_of`] will read.
     #[inline]
-    pub fn touch(&self, patch: &Patch) -> u32 {
+    pub fn prefetch(&self, patch: &Patch) -> u32 {
         let upper = patch.y as usize * self.width + patch.x as usize;
         self.pixels[upper].x.to_bits() ^ self.pixels[upper + self.width].x.to_bits()
     }

@@ -1,7 +1,7 @@
 //! One thing that shines from within the scene: what the light tree has at its leaves.
 
+use super::analytic::AnalyticArea;
 use super::cluster::Cluster;
-use super::exact::ExactArea;
 use super::incident::{DeltaIncident, Incident, Place};
 use super::point::PointLight;
 use super::projector::Projector;
@@ -17,7 +17,7 @@ pub(super) enum Leaf {
     Triangle(Triangle),
     Quad(Box<Quad>),
     Sphere(Sphere),
-    Exact(Box<ExactArea>),
+    Analytic(Box<AnalyticArea>),
     Point(PointLight),
     Spot(Box<Spot>),
     Projector(Box<Projector>),
@@ -30,7 +30,7 @@ impl Leaf {
             Leaf::Triangle(l) => l.cluster(brightness),
             Leaf::Quad(l) => l.cluster(brightness),
             Leaf::Sphere(l) => l.cluster(brightness),
-            Leaf::Exact(l) => l.cluster(brightness),
+            Leaf::Analytic(l) => l.cluster(brightness),
             Leaf::Point(l) => l.cluster(),
             Leaf::Spot(l) => l.cluster(),
             Leaf::Projector(l) => l.cluster(),
@@ -43,7 +43,7 @@ impl Leaf {
             Leaf::Triangle(l) => l.area(),
             Leaf::Quad(l) => l.area(),
             Leaf::Sphere(l) => l.area(),
-            Leaf::Exact(l) => l.area(),
+            Leaf::Analytic(l) => l.area(),
             Leaf::Point(_) | Leaf::Spot(_) | Leaf::Projector(_) => 0.0,
         }
     }
@@ -55,7 +55,7 @@ impl Leaf {
             Leaf::Triangle(l) => l.sample(p, u),
             Leaf::Quad(l) => l.sample(p, u),
             Leaf::Sphere(l) => l.sample(p, u),
-            Leaf::Exact(l) => l.sample(p, u),
+            Leaf::Analytic(l) => l.sample(p, u),
             Leaf::Point(_) | Leaf::Spot(_) | Leaf::Projector(_) => None,
         }
     }
@@ -79,7 +79,7 @@ impl Leaf {
             Leaf::Triangle(l) => l.pdf(p, q),
             Leaf::Quad(l) => l.pdf(p, q),
             Leaf::Sphere(l) => l.pdf(p, q),
-            Leaf::Exact(l) => l.pdf(p, q, ng),
+            Leaf::Analytic(l) => l.pdf(p, q, ng),
             Leaf::Point(_) | Leaf::Spot(_) | Leaf::Projector(_) => 0.0,
         }
     }
@@ -99,7 +99,7 @@ impl Leaf {
                 let (p, n) = l.point(u);
                 (p, n, 1.0 / l.area(), Place::Surface)
             }
-            Leaf::Exact(l) => {
+            Leaf::Analytic(l) => {
                 let (p, n, density) = l.point(u);
                 (p, n, density, Place::Surface)
             }

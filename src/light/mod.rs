@@ -13,17 +13,17 @@
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::texture::SurfacePoint;
 
+mod analytic;
 mod area;
-mod beacon;
-mod beacons;
 mod blocks;
 mod build;
+mod caustic_emitter;
+mod caustic_emitters;
 mod cluster;
 mod description;
 mod distant;
 mod emission;
 mod environment;
-mod exact;
 mod incident;
 mod latlong;
 mod leaf;
@@ -41,7 +41,7 @@ mod tree;
 mod tree_build;
 mod triangle;
 
-pub use beacon::{Beacon, Shining};
+pub use caustic_emitter::{CausticEmitter, Shining};
 pub use description::{Emitter, EmitterShape, SunSky};
 pub use emission::Emission;
 pub use environment::EnvironmentImage;
@@ -149,12 +149,12 @@ impl Lights {
     /// Reads a word of everything that [`Lights::radiance`] will read for these samples. Called in
     /// advance for many in a row, so that the processor waits for all of them at once.
     #[inline]
-    pub fn touch<'i>(&self, incoming: impl Iterator<Item = &'i Incoming>) {
+    pub fn prefetch<'i>(&self, incoming: impl Iterator<Item = &'i Incoming>) {
         let mut sum = 0;
         for i in incoming {
             if let Source::Distant(number, Drawn::Map(patch)) = &i.0 {
                 if let Distant::Map(map) = &self.distant[*number as usize].1 {
-                    sum ^= map.touch(patch);
+                    sum ^= map.prefetch(patch);
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! Tests of all lights together: densities against samples, and light against closed forms.
 
 use super::*;
-use crate::accel::{Bounds, ExactKind, ExactShape, Shape, TriangleMesh};
+use crate::accel::{AnalyticKind, AnalyticShape, Bounds, Shape, TriangleMesh};
 use crate::math::{Affine3A, Mat3, Pcg32};
 use crate::texture::Texture;
 use std::sync::Arc;

@@ -1,7 +1,7 @@
 //! What is in a learned field: `twintree field`.
 
 use super::words;
-use crate::guide::{FieldFile, Ledger, ModelKind, Source, Stats};
+use crate::guide::{FieldFile, ModelKind, SampleRanges, Source, Stats};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -22,7 +22,7 @@ pub struct FieldReport {
     /// Which records carry the estimates.
     pub source: Source,
     /// Which records are in it.
-    pub ledger: Ledger,
+    pub sample_ranges: SampleRanges,
     /// Sizes, depths and counts.
     pub stats: Stats,
     /// Bytes when rendering.
@@ -47,7 +47,7 @@ impl FieldReport {
             max: settings.max.into(),
             model: settings.model,
             source: settings.source,
-            ledger: file.ledger.clone(),
+            sample_ranges: file.sample_ranges.clone(),
             stats: file.trainer.stats(),
             frozen_bytes: field.bytes(),
             mean_fraction: sum / f64::from(cells.max(1)),
@@ -61,7 +61,7 @@ impl FieldReport {
 
     /// A table for people.
     pub fn to_table(&self) -> String {
-        let (s, l) = (&self.stats, &self.ledger);
+        let (s, l) = (&self.stats, &self.sample_ranges);
         let i = &s.intakes;
         let mut rows = vec![
             ("field", self.field.clone()),

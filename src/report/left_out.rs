@@ -100,7 +100,7 @@ fn light_tree(description: &Description) -> Option<LeftOut> {
     let leaves = |emitter: &Emitter| match emitter {
         Emitter::Area { shape, .. } => match &description.shapes.get(*shape as usize)?.geometry {
             Geometry::Mesh(mesh) => Some(mesh.triangles.triangles().len()),
-            Geometry::Exact(_) => Some(1),
+            Geometry::Analytic(_) => Some(1),
         },
         Emitter::Point { .. } | Emitter::Spot { .. } | Emitter::Projector { .. } => Some(1),
         _ => None,

@@ -1,6 +1,6 @@
 //! The names by which scene files call things.
 
-use crate::accel::ExactKind;
+use crate::accel::AnalyticKind;
 use crate::bsdf::Material;
 use crate::camera::Projection;
 use crate::film::filter::Filter;
@@ -55,12 +55,12 @@ pub fn emitter(emitter: &Emitter) -> &'static str {
 }
 
 /// The plugin name of an exact shape.
-pub fn shape(kind: ExactKind) -> &'static str {
+pub fn shape(kind: AnalyticKind) -> &'static str {
     match kind {
-        ExactKind::Sphere => "sphere",
-        ExactKind::Disk => "disk",
-        ExactKind::Cylinder => "cylinder",
-        ExactKind::Rectangle => "rectangle",
+        AnalyticKind::Sphere => "sphere",
+        AnalyticKind::Disk => "disk",
+        AnalyticKind::Cylinder => "cylinder",
+        AnalyticKind::Rectangle => "rectangle",
     }
 }
 

@@ -98,7 +98,7 @@ impl SceneReport {
             scene: scene.to_owned(),
             shapes: by_type(&mut description.shapes.iter().map(|s| match &s.geometry {
                 Geometry::Mesh(_) => "mesh",
-                Geometry::Exact(exact) => names::shape(exact.kind),
+                Geometry::Analytic(exact) => names::shape(exact.kind),
             })),
             triangles: triangles(description),
             triangles_placed: triangles_placed(description),

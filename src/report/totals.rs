@@ -56,7 +56,7 @@ pub(super) fn meshes_of(description: &Description) -> Vec<&Arc<Mesh>> {
     shapes
         .filter_map(|shape| match &shape.geometry {
             Geometry::Mesh(mesh) => Some(mesh),
-            Geometry::Exact(_) => None,
+            Geometry::Analytic(_) => None,
         })
         .filter(|mesh| seen.insert(Arc::as_ptr(mesh)))
         .collect()

@@ -3,7 +3,7 @@
 
 use super::build::Scene;
 use super::surface::{Form, Surfaces};
-use crate::accel::{ExactKind, ExactShape, Hit, NO_INSTANCE, Ray};
+use crate::accel::{AnalyticKind, AnalyticShape, Hit, NO_INSTANCE, Ray};
 use crate::math::{Affine3A, Pcg32, Vec2, Vec3, warp};
 
 /// A point on a surface and its unit geometric normal.
@@ -70,7 +70,7 @@ impl Scene {
                 Form::Mesh(mesh) => (0..mesh.triangles.triangles().len() as u32).for_each(|prim| {
                     push(prim, triangle_area(mesh.triangles.corners(prim), &place))
                 }),
-                Form::Exact(shape, _) => push(0, exact_area(shape, &place)),
+                Form::Analytic(shape, _) => push(0, exact_area(shape, &place)),
             }
         }
         pieces
@@ -98,7 +98,7 @@ impl Scene {
                     normal: point.ng,
                 }
             }
-            Form::Exact(shape, _) => {
+            Form::Analytic(shape, _) => {
                 let (p, n) = unit_point(shape.kind, u);
                 let normals = (place * shape.to_world).matrix3.inverse().transpose();
                 AreaPoint {
@@ -117,7 +117,7 @@ fn triangle_area(corners: [Vec3; 3], place: &Affine3A) -> f64 {
 
 /// Area of an exact shape: of the unit shape times how the map stretches areas, averaged over its
 /// directions (exact for flat shapes and uniform scales, close enough for a density otherwise).
-fn exact_area(shape: &ExactShape, place: &Affine3A) -> f64 {
+fn exact_area(shape: &AnalyticShape, place: &Affine3A) -> f64 {
     use std::f64::consts::PI;
     let m = (*place * shape.to_world).matrix3;
     let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis].map(|v| Vec3::from(v).as_dvec3());
@@ -127,22 +127,22 @@ fn exact_area(shape: &ExactShape, place: &Affine3A) -> f64 {
         z.cross(x).length(),
     );
     match shape.kind {
-        ExactKind::Rectangle => 4.0 * xy,
-        ExactKind::Disk => PI * xy,
-        ExactKind::Sphere => 4.0 * PI * (xy + yz + zx) / 3.0,
-        ExactKind::Cylinder => 2.0 * PI * (yz + zx) / 2.0,
+        AnalyticKind::Rectangle => 4.0 * xy,
+        AnalyticKind::Disk => PI * xy,
+        AnalyticKind::Sphere => 4.0 * PI * (xy + yz + zx) / 3.0,
+        AnalyticKind::Cylinder => 2.0 * PI * (yz + zx) / 2.0,
     }
 }
 
-fn unit_point(kind: ExactKind, u: Vec2) -> (Vec3, Vec3) {
+fn unit_point(kind: AnalyticKind, u: Vec2) -> (Vec3, Vec3) {
     match kind {
-        ExactKind::Rectangle => ((u * 2.0 - Vec2::ONE).extend(0.0), Vec3::Z),
-        ExactKind::Disk => (warp::concentric_disk(u).extend(0.0), Vec3::Z),
-        ExactKind::Sphere => {
+        AnalyticKind::Rectangle => ((u * 2.0 - Vec2::ONE).extend(0.0), Vec3::Z),
+        AnalyticKind::Disk => (warp::concentric_disk(u).extend(0.0), Vec3::Z),
+        AnalyticKind::Sphere => {
             let p = warp::uniform_sphere(u);
             (p, p)
         }
-        ExactKind::Cylinder => {
+        AnalyticKind::Cylinder => {
             let (sin, cos) = (std::f32::consts::TAU * u.x).sin_cos();
             (Vec3::new(cos, sin, u.y), Vec3::new(cos, sin, 0.0))
         }

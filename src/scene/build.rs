@@ -137,8 +137,8 @@ fn glowing_shapes(
                 attributes: attributes_of(mesh),
                 flip_normals: false,
             },
-            Geometry::Exact(exact) => EmitterShape {
-                shape: accel::Shape::Exact(*exact),
+            Geometry::Analytic(exact) => EmitterShape {
+                shape: accel::Shape::Analytic(*exact),
                 uvs: None,
                 attributes: None,
                 flip_normals: source.flip_normals,
@@ -165,7 +165,7 @@ pub fn world_of(description: &Description, materials: &Materials) -> World {
             id: id as u32,
             shape: match &shape.geometry {
                 Geometry::Mesh(mesh) => accel::Shape::Triangles(mesh.triangles.clone()),
-                Geometry::Exact(exact) => accel::Shape::Exact(*exact),
+                Geometry::Analytic(exact) => accel::Shape::Analytic(*exact),
             },
             masked: materials.is_masked(shape.material),
         };
@@ -204,7 +204,7 @@ fn surface_of(shape: Shape, materials: &Materials) -> Surface {
     Surface {
         form: match shape.geometry {
             Geometry::Mesh(mesh) => Form::Mesh(mesh),
-            Geometry::Exact(exact) => Form::Exact(exact, shape.flip_normals),
+            Geometry::Analytic(exact) => Form::Analytic(exact, shape.flip_normals),
         },
         material: shape.material,
         emitter: shape.emitter.unwrap_or(DARK),

@@ -1,6 +1,6 @@
 //! A scene as data: what an importer produces and the renderer consumes.
 
-use crate::accel::{ExactShape, TriangleMesh};
+use crate::accel::{AnalyticShape, TriangleMesh};
 use crate::bsdf::{MaterialId, Materials};
 use crate::camera::CameraDescription;
 use crate::film::FilmDescription;
@@ -32,7 +32,7 @@ pub enum Geometry {
     /// Triangles.
     Mesh(Arc<Mesh>),
     /// An exact shape.
-    Exact(ExactShape),
+    Analytic(AnalyticShape),
 }
 
 /// A shape with its material.

@@ -92,7 +92,7 @@ impl Print {
         ));
         match &shape.geometry {
             Geometry::Mesh(mesh) => self.mesh(mesh),
-            Geometry::Exact(exact) => self.text(format_args!("{exact:?}")),
+            Geometry::Analytic(exact) => self.text(format_args!("{exact:?}")),
         }
     }
 

@@ -211,7 +211,7 @@ mod tests {
         assert_eq!(kept(&both, 0), (true, vec!["vertex_color"]));
         let pointer = |s: &Shape| match &s.geometry {
             Geometry::Mesh(mesh) => Arc::as_ptr(mesh),
-            Geometry::Exact(_) => std::ptr::null(),
+            Geometry::Analytic(_) => std::ptr::null(),
         };
         assert_eq!(pointer(&both.shapes[0]), pointer(&both.shapes[1]));
     }

@@ -1,10 +1,10 @@
 //! From a ray's hit to a point on a surface: position with its rounding error, normals, texture
 //! coordinates and tangents, for triangles and exact shapes, in the world or in an instance.
 
+use super::analytic::exact_point;
 use super::description::Mesh;
-use super::exact::exact_point;
 use super::transform::{ERROR_SAFETY, to_world_point};
-use crate::accel::{ExactShape, Hit, NO_INSTANCE, Opacity, Ray};
+use crate::accel::{AnalyticShape, Hit, NO_INSTANCE, Opacity, Ray};
 use crate::bsdf::{MaterialId, Materials};
 use crate::light::EmitterId;
 use crate::math::offset::gamma;
@@ -40,7 +40,7 @@ pub enum Form {
     /// Triangles.
     Mesh(Arc<Mesh>),
     /// An exact shape, with its normal turned around or not.
-    Exact(ExactShape, bool),
+    Analytic(AnalyticShape, bool),
 }
 
 /// Differentials that a material reads; the others are not computed.
@@ -101,7 +101,7 @@ impl Surfaces {
     /// Called in advance for many hits in a row, so that the processor waits for all of them at
     /// once: hits are scattered over memory, and waiting for each took a tenth of a render.
     #[inline]
-    pub fn touch(&self, hits: &[Hit]) {
+    pub fn prefetch(&self, hits: &[Hit]) {
         let mut sum = 0;
         for hit in hits.iter().filter(|h| h.is_some()) {
             if let Form::Mesh(mesh) = &self.list[hit.shape as usize].form {
@@ -136,7 +136,7 @@ impl Opacity for Surfaces {
         // for triangles. Exact shapes carry theirs in the hit.
         let point = match &surface.form {
             Form::Mesh(_) => surface.local_point(Vec3::ZERO, hit),
-            Form::Exact(..) => SurfacePoint::at_uv(Vec2::new(hit.u, hit.v)),
+            Form::Analytic(..) => SurfacePoint::at_uv(Vec2::new(hit.u, hit.v)),
         };
         self.materials.opacity(surface.material, &point)
     }
@@ -154,7 +154,7 @@ impl Surface {
     fn local_point(&self, met: Vec3, hit: &Hit) -> SurfacePoint<'_> {
         match &self.form {
             Form::Mesh(mesh) => mesh_point(mesh, hit, self.needs),
-            Form::Exact(shape, flip) => exact_point(shape, *flip, met, hit),
+            Form::Analytic(shape, flip) => exact_point(shape, *flip, met, hit),
         }
     }
 }

@@ -3,7 +3,7 @@
 use crate::scenes::{backends, field_of, plain_box, seed, silver};
 use crate::support::{Built, SceneMaker, film_mean, grey, inside_of_cube, settings};
 use crate::table::Table;
-use twintree::accel::{Backend, ExactKind};
+use twintree::accel::{AnalyticKind, Backend};
 use twintree::bsdf::Material;
 use twintree::bsdf::material::{Distribution, Roughness};
 use twintree::film::Film;
@@ -147,7 +147,10 @@ fn sheet(material: Material, degrees: f32, backend: Backend) -> Film {
     let eye = Vec3::new(3.0 * sin, 0.0, 3.0 * cos);
     let mut maker = SceneMaker::new(eye, Vec3::ZERO, 0.01, 8);
     let material = maker.material(material);
-    let sheet = maker.exact(ExactKind::Rectangle, Affine3A::from_scale(Vec3::splat(9.0)));
+    let sheet = maker.exact(
+        AnalyticKind::Rectangle,
+        Affine3A::from_scale(Vec3::splat(9.0)),
+    );
     maker.shape(sheet, material, None, false);
     maker.emitter(Emitter::Constant { radiance: Rgb::ONE });
     maker.build(backend).render(&seed(1), 1024).0

@@ -3,7 +3,7 @@
 use crate::scenes::{backends, field_of, seed};
 use crate::support::{SceneMaker, film_mean, mesh};
 use crate::table::Table;
-use twintree::accel::{Backend, ExactKind, Hit, Ray};
+use twintree::accel::{AnalyticKind, Backend, Hit, Ray};
 use twintree::bsdf::Material;
 use twintree::light::Emitter;
 use twintree::math::offset::offset_origin;
@@ -111,12 +111,12 @@ fn s03_exact_shapes_are_left() {
     let mut table = Table::default();
     for (name, backend) in backends() {
         for kind in [
-            ExactKind::Sphere,
-            ExactKind::Cylinder,
-            ExactKind::Disk,
-            ExactKind::Rectangle,
+            AnalyticKind::Sphere,
+            AnalyticKind::Cylinder,
+            AnalyticKind::Disk,
+            AnalyticKind::Rectangle,
         ] {
-            let bends = matches!(kind, ExactKind::Sphere | ExactKind::Cylinder);
+            let bends = matches!(kind, AnalyticKind::Sphere | AnalyticKind::Cylinder);
             let mut rng = Pcg32::new(4, kind as u64);
             let mut left = Left::default();
             for _ in 0..300 {

@@ -2,7 +2,7 @@
 
 use crate::support::{self, Built, SceneMaker, film_mean, grey, inside_of_cube};
 use std::sync::Arc;
-use twintree::accel::{Backend, ExactKind};
+use twintree::accel::{AnalyticKind, Backend};
 use twintree::bsdf::Material;
 use twintree::film::Film;
 use twintree::guide::ModelKind;
@@ -102,7 +102,7 @@ pub fn plain_box(albedo: f32, radiance: f32, backend: Backend) -> Built {
     let up = Affine3A::from_translation(Vec3::new(0.0, 0.3, 0.2))
         * Affine3A::from_rotation_x(-std::f32::consts::FRAC_PI_2)
         * Affine3A::from_scale(Vec3::splat(0.25));
-    let lamp = maker.exact(ExactKind::Rectangle, up);
+    let lamp = maker.exact(AnalyticKind::Rectangle, up);
     let black = maker.diffuse(0.0);
     maker.shape(lamp, black, Some(radiance), false);
     maker.build(backend)

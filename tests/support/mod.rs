@@ -3,7 +3,7 @@
 #![allow(dead_code, missing_docs)]
 
 use std::sync::Arc;
-use twintree::accel::{Backend, BuildSettings, ExactKind, ExactShape, TriangleMesh};
+use twintree::accel::{AnalyticKind, AnalyticShape, Backend, BuildSettings, TriangleMesh};
 use twintree::bsdf::{Material, MaterialId, Materials};
 use twintree::camera::{Camera, CameraDescription, FovAxis, Projection};
 use twintree::film::{Film, FilmDescription, FilmKind, filter::Filter};
@@ -117,8 +117,8 @@ impl SceneMaker {
         self.description.emitters.push(emitter);
     }
 
-    pub fn exact(&mut self, kind: ExactKind, to_world: Affine3A) -> Geometry {
-        Geometry::Exact(ExactShape::new(kind, to_world))
+    pub fn exact(&mut self, kind: AnalyticKind, to_world: Affine3A) -> Geometry {
+        Geometry::Analytic(AnalyticShape::new(kind, to_world))
     }
 
     pub fn sphere(
@@ -130,7 +130,7 @@ impl SceneMaker {
         flip: bool,
     ) {
         let place = Affine3A::from_translation(center) * Affine3A::from_scale(Vec3::splat(radius));
-        let geometry = self.exact(ExactKind::Sphere, place);
+        let geometry = self.exact(AnalyticKind::Sphere, place);
         self.shape(geometry, material, glow, flip);
     }
 

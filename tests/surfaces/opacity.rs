@@ -3,7 +3,7 @@
 use super::support::{SceneMaker, grey, settings};
 use super::{backends, load, seen};
 use std::path::Path;
-use twintree::accel::{Backend, ExactKind};
+use twintree::accel::{AnalyticKind, Backend};
 use twintree::bsdf::Material;
 use twintree::integrate::PathSettings;
 use twintree::math::{Affine3A, Vec3};
@@ -79,10 +79,13 @@ fn a_masked_lamp_lights_as_a_whole_one_does() {
             inner: black,
         });
         let cover = cover.map_or(black, |cover| maker.material(cover));
-        let ground = maker.exact(ExactKind::Rectangle, Affine3A::from_scale(Vec3::splat(4.0)));
+        let ground = maker.exact(
+            AnalyticKind::Rectangle,
+            Affine3A::from_scale(Vec3::splat(4.0)),
+        );
         maker.shape(ground, floor, None, false);
         let above = Affine3A::from_translation(Vec3::Z);
-        let lamp = maker.exact(ExactKind::Disk, above);
+        let lamp = maker.exact(AnalyticKind::Disk, above);
         maker.shape(lamp, cover, Some(1.0), true);
         let path = PathSettings {
             max_depth: 2,

@@ -2,7 +2,7 @@
 
 use super::support::{Built, SceneMaker, film_mean, grey, settings};
 use std::path::Path;
-use twintree::accel::{Backend, ExactKind};
+use twintree::accel::{AnalyticKind, Backend};
 use twintree::bsdf::Material;
 use twintree::bsdf::material::Turning;
 use twintree::bsdf::material::{Distribution, Roughness};
@@ -55,7 +55,10 @@ fn wall(size: u32, make: Make) -> Built {
     let mut maker = SceneMaker::new(eye, Vec3::ZERO, 30.0, size);
     let material = make(&mut maker);
     let material = maker.material(material);
-    let square = maker.exact(ExactKind::Rectangle, Affine3A::from_scale(Vec3::splat(4.0)));
+    let square = maker.exact(
+        AnalyticKind::Rectangle,
+        Affine3A::from_scale(Vec3::splat(4.0)),
+    );
     maker.shape(square, material, None, false);
     maker.emitter(Emitter::Directional {
         direction: Vec3::new(0.0, -0.8, -0.6),

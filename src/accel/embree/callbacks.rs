@@ -5,7 +5,7 @@
 
 use super::numbers::Numbers;
 use super::sys::*;
-use crate::accel::{ExactShape, Opacity, mask};
+use crate::accel::{AnalyticShape, Opacity, mask};
 use crate::math::Vec3;
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ pub struct GeometryData {
     /// Embree's number of the geometry in its scene.
     pub number: u32,
     /// The shape, for exact ones.
-    pub exact: Option<ExactShape>,
+    pub exact: Option<AnalyticShape>,
     /// Set for masked geometry.
     pub opacity: Option<Arc<dyn Opacity>>,
     /// Embree's numbers to the caller's.

@@ -102,7 +102,7 @@ impl Assembly<'_> {
             let raw = match &geometry.shape {
                 Shape::Triangles(mesh) if mesh.triangles().is_empty() => continue,
                 Shape::Triangles(mesh) => self.triangles(mesh),
-                Shape::Exact(_) => self.user(),
+                Shape::Analytic(_) => self.user(),
             };
             if raw.is_null() {
                 self.device.check("creating a geometry")?;
@@ -169,7 +169,7 @@ impl Assembly<'_> {
             None
         };
         let exact = match &geometry.shape {
-            Shape::Exact(shape) => Some(*shape),
+            Shape::Analytic(shape) => Some(*shape),
             Shape::Triangles(_) => None,
         };
         if exact.is_none() && opacity.is_none() {

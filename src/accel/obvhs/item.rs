@@ -11,7 +11,7 @@ pub enum Item {
         prim: u32,
     },
     /// The exact shape of a part.
-    Exact {
+    Analytic {
         /// Index into the tree's parts.
         part: u32,
     },

@@ -204,7 +204,7 @@ fn too_many(world: &World) -> Result<(), AccelError> {
     let count = |geometries: &[super::Geometry]| -> usize {
         let one = |g: &super::Geometry| match &g.shape {
             super::Shape::Triangles(mesh) => mesh.triangles().len(),
-            super::Shape::Exact(_) => 1,
+            super::Shape::Analytic(_) => 1,
         };
         geometries.iter().map(one).sum()
     };

@@ -1,7 +1,7 @@
 //! From geometry to the boxes that a tree is built over.
 
 use super::item::Item;
-use crate::accel::{Bounds, BuildQuality, ExactShape, LARGEST, TriangleMesh};
+use crate::accel::{AnalyticShape, Bounds, BuildQuality, LARGEST, TriangleMesh};
 use crate::math::Vec3;
 use crate::math::rng::hash_all;
 use obvhs::BvhBuildParams;
@@ -74,8 +74,8 @@ impl Plan {
     }
 
     /// An exact shape.
-    pub fn add_exact(&mut self, shape: &ExactShape, part: u32) {
-        self.add(Item::Exact { part }, shape.bounds());
+    pub fn add_exact(&mut self, shape: &AnalyticShape, part: u32) {
+        self.add(Item::Analytic { part }, shape.bounds());
     }
 
     /// Splits the boxes of long triangles. Called while there are only triangles.

@@ -91,7 +91,7 @@ impl Tree {
             plan.split();
         }
         for (index, part) in parts.iter().enumerate() {
-            if let Shape::Exact(shape) = &part.shape {
+            if let Shape::Analytic(shape) = &part.shape {
                 plan.add_exact(shape, index as u32);
             }
         }
@@ -160,7 +160,7 @@ impl Tree {
     ) -> Next {
         let hit = match item {
             Item::Triangle { .. } => sheared.meet(corners_of(&self.parts, item)),
-            Item::Exact { part } => return self.meet_exact(part, ray, limit, found),
+            Item::Analytic { part } => return self.meet_exact(part, ray, limit, found),
             Item::Instance(index) => return note(found(Found::Instance(index), *limit), limit),
             Item::Bundle { .. } => None,
         };
@@ -181,14 +181,14 @@ impl Tree {
         found: &mut impl FnMut(Found, f32) -> Next,
     ) -> Next {
         let Part { shape, masked, .. } = &self.parts[part as usize];
-        let Shape::Exact(shape) = shape else {
+        let Shape::Analytic(shape) = shape else {
             return Next::Within(*limit);
         };
         let walls = if *masked { 2 } else { 1 };
         let crossings = shape.crossings(ray.org, ray.dir, ray.tmin, *limit);
         for c in crossings.take(walls) {
             let hit = (c.t, c.u, c.v);
-            let next = self.report(Item::Exact { part }, hit, c.wall, ray, limit, found);
+            let next = self.report(Item::Analytic { part }, hit, c.wall, ray, limit, found);
             if let Next::Stop = next {
                 return Next::Stop;
             }
@@ -209,7 +209,7 @@ impl Tree {
     ) -> Next {
         let (part, prim) = match item {
             Item::Triangle { part, prim } => (part, prim),
-            Item::Exact { part } => (part, 0),
+            Item::Analytic { part } => (part, 0),
             Item::Instance(_) | Item::Bundle { .. } => return Next::Within(*limit),
         };
         if !(t >= ray.tmin && t <= *limit) {
@@ -256,7 +256,7 @@ fn corners_of(parts: &[Part], item: Item) -> [Vec3; 3] {
     match item {
         Item::Triangle { part, prim } => match &parts[part as usize].shape {
             Shape::Triangles(mesh) => mesh.corners(prim),
-            Shape::Exact(_) => [Vec3::NAN; 3],
+            Shape::Analytic(_) => [Vec3::NAN; 3],
         },
         _ => [Vec3::NAN; 3],
     }

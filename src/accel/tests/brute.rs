@@ -99,7 +99,7 @@ fn cross_geometry(
                 }
             }
         }
-        Shape::Exact(shape) => {
+        Shape::Analytic(shape) => {
             for (t, u, v, margin) in exact(shape, ray) {
                 push(0, (t, u, v, margin, 1.0));
             }
@@ -125,7 +125,7 @@ fn triangle(ray: &Ray64, [a, b, c]: [DVec3; 3], slack: f64) -> Option<(f64, f64,
 }
 
 /// Both crossings of an exact shape, by the textbook's formulas in the shape's own space.
-fn exact(shape: &ExactShape, ray: &Ray64) -> Vec<(f64, f64, f64, f64)> {
+fn exact(shape: &AnalyticShape, ray: &Ray64) -> Vec<(f64, f64, f64, f64)> {
     let inverse = widen(&shape.to_world).inverse();
     let o = inverse.transform_point3(ray.org);
     let d = inverse.transform_vector3(ray.dir);
@@ -135,8 +135,8 @@ fn exact(shape: &ExactShape, ray: &Ray64) -> Vec<(f64, f64, f64, f64)> {
         [(-b - root) / a, (-b + root) / a]
     };
     let roots = match shape.kind {
-        ExactKind::Sphere => quadratic(d.dot(d), o.dot(d), o.dot(o) - 1.0),
-        ExactKind::Cylinder => quadratic(
+        AnalyticKind::Sphere => quadratic(d.dot(d), o.dot(d), o.dot(o) - 1.0),
+        AnalyticKind::Cylinder => quadratic(
             d.x * d.x + d.y * d.y,
             o.x * d.x + o.y * d.y,
             o.x * o.x + o.y * o.y - 1.0,
@@ -146,18 +146,18 @@ fn exact(shape: &ExactShape, ray: &Ray64) -> Vec<(f64, f64, f64, f64)> {
     let at = |t: f64| {
         let p = o + d * t;
         match shape.kind {
-            ExactKind::Sphere => (
+            AnalyticKind::Sphere => (
                 t,
                 angle(p),
                 p.z.clamp(-1.0, 1.0).acos() / std::f64::consts::PI,
                 1.0,
             ),
-            ExactKind::Cylinder => (t, angle(p), p.z, p.z.min(1.0 - p.z)),
-            ExactKind::Disk => {
+            AnalyticKind::Cylinder => (t, angle(p), p.z, p.z.min(1.0 - p.z)),
+            AnalyticKind::Disk => {
                 let r = p.truncate().length();
                 (t, r, angle(p), 1.0 - r)
             }
-            ExactKind::Rectangle => (
+            AnalyticKind::Rectangle => (
                 t,
                 0.5 * (p.x + 1.0),
                 0.5 * (p.y + 1.0),

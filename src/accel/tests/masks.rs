@@ -53,7 +53,10 @@ fn rain(count: usize) -> Vec<Ray> {
 
 #[test]
 fn opacity_is_the_share_that_stops() {
-    let rectangle = Shape::Exact(ExactShape::new(ExactKind::Rectangle, Affine3A::IDENTITY));
+    let rectangle = Shape::Analytic(AnalyticShape::new(
+        AnalyticKind::Rectangle,
+        Affine3A::IDENTITY,
+    ));
     let rays = rain(100_000);
     for shape in [quad(), rectangle] {
         for alpha in [0.0, 0.3, 1.0] {
@@ -111,7 +114,7 @@ fn layers_decide_for_themselves() {
     for (id, z) in [(5, 0.0), (6, -0.5)] {
         let map = Affine3A::from_translation(Vec3::new(0.0, 0.0, z))
             * Affine3A::from_scale(Vec3::splat(2.0));
-        let shape = Shape::Exact(ExactShape::new(ExactKind::Rectangle, map));
+        let shape = Shape::Analytic(AnalyticShape::new(AnalyticKind::Rectangle, map));
         world.geometries.push(Geometry {
             id,
             shape,
@@ -136,11 +139,11 @@ fn both_walls_of_round_shapes_decide() {
     let opacity: Arc<dyn Opacity> = Arc::new(Constant(0.5));
     let rays = rain(100_000);
     for (kind, map, stopped) in [
-        (ExactKind::Sphere, wide, 0.75),
-        (ExactKind::Cylinder, lying, 0.75),
-        (ExactKind::Sphere, around, 0.5),
+        (AnalyticKind::Sphere, wide, 0.75),
+        (AnalyticKind::Cylinder, lying, 0.75),
+        (AnalyticKind::Sphere, around, 0.5),
     ] {
-        let geometry = masked(Shape::Exact(ExactShape::new(kind, map)));
+        let geometry = masked(Shape::Analytic(AnalyticShape::new(kind, map)));
         let mut world = World::default();
         world.geometries.push(geometry.clone());
         share_stops(&world, &rays, &opacity, stopped);

@@ -4,37 +4,37 @@ use super::worlds::*;
 use crate::accel::*;
 use crate::math::{Affine3A, Pcg32, Vec3};
 
-const KINDS: [ExactKind; 4] = [
-    ExactKind::Sphere,
-    ExactKind::Disk,
-    ExactKind::Cylinder,
-    ExactKind::Rectangle,
+const KINDS: [AnalyticKind; 4] = [
+    AnalyticKind::Sphere,
+    AnalyticKind::Disk,
+    AnalyticKind::Cylinder,
+    AnalyticKind::Rectangle,
 ];
 
 /// The point of the unit shape with coordinates `(u, v)`.
-fn surface(kind: ExactKind, u: f32, v: f32) -> Vec3 {
+fn surface(kind: AnalyticKind, u: f32, v: f32) -> Vec3 {
     let ring = |u: f32| {
         let (sin, cos) = (std::f32::consts::TAU * u).sin_cos();
         Vec3::new(cos, sin, 0.0)
     };
     match kind {
-        ExactKind::Sphere => {
+        AnalyticKind::Sphere => {
             let (sin, cos) = (std::f32::consts::PI * v).sin_cos();
             ring(u) * sin + Vec3::Z * cos
         }
-        ExactKind::Disk => ring(v) * u,
-        ExactKind::Cylinder => ring(u) + Vec3::Z * v,
-        ExactKind::Rectangle => Vec3::new(2.0 * u - 1.0, 2.0 * v - 1.0, 0.0),
+        AnalyticKind::Disk => ring(v) * u,
+        AnalyticKind::Cylinder => ring(u) + Vec3::Z * v,
+        AnalyticKind::Rectangle => Vec3::new(2.0 * u - 1.0, 2.0 * v - 1.0, 0.0),
     }
 }
 
 /// Whether a ray in direction `dir` touches rather than crosses at the unit shape's point `p`:
 /// there the rounding of the target to `f32` decides whether it is met.
-fn grazing(shape: &ExactShape, p: Vec3, dir: Vec3) -> bool {
+fn grazing(shape: &AnalyticShape, p: Vec3, dir: Vec3) -> bool {
     let normal = match shape.kind {
-        ExactKind::Sphere => p,
-        ExactKind::Cylinder => p.with_z(0.0),
-        ExactKind::Disk | ExactKind::Rectangle => Vec3::Z,
+        AnalyticKind::Sphere => p,
+        AnalyticKind::Cylinder => p.with_z(0.0),
+        AnalyticKind::Disk | AnalyticKind::Rectangle => Vec3::Z,
     };
     let d = shape.to_object.transform_vector3(dir).normalize();
     normal.dot(d).abs() < 0.01
@@ -46,7 +46,7 @@ fn rays_find_the_points_they_are_aimed_at() {
     let mut rng = Pcg32::new(5, 5);
     for round in 0..40_000 {
         let kind = KINDS[round % 4];
-        let shape = ExactShape::new(kind, random_map(&mut rng, 3.0));
+        let shape = AnalyticShape::new(kind, random_map(&mut rng, 3.0));
         let (u, v) = (0.01 + 0.98 * rng.next_f32(), 0.01 + 0.98 * rng.next_f32());
         let target = shape.to_world.transform_point3(surface(kind, u, v));
         let dir = direction(&mut rng);
@@ -58,7 +58,7 @@ fn rays_find_the_points_they_are_aimed_at() {
             .unwrap_or_else(|| panic!("{kind:?} {u} {v} was missed"));
         if (t - 0.5).abs() > 1e-3 {
             // Another part of the shape stood before the target.
-            assert!(t < 0.5 && matches!(kind, ExactKind::Sphere | ExactKind::Cylinder));
+            assert!(t < 0.5 && matches!(kind, AnalyticKind::Sphere | AnalyticKind::Cylinder));
             continue;
         }
         let p = shape.to_world.transform_point3(surface(kind, u1, v1));
@@ -71,8 +71,8 @@ fn rays_find_the_points_they_are_aimed_at() {
 fn distance_costs_no_digits() {
     let mut rng = Pcg32::new(6, 6);
     for round in 0..20_000 {
-        let kind = [ExactKind::Sphere, ExactKind::Cylinder][round % 2];
-        let shape = ExactShape::new(kind, Affine3A::IDENTITY);
+        let kind = [AnalyticKind::Sphere, AnalyticKind::Cylinder][round % 2];
+        let shape = AnalyticShape::new(kind, Affine3A::IDENTITY);
         let away = 10f32.powf(6.0 * rng.next_f32());
         let target = surface(kind, rng.next_f32(), rng.next_f32()) * 0.5;
         let dir = direction(&mut rng);
@@ -82,7 +82,7 @@ fn distance_costs_no_digits() {
         };
         let p = org.as_dvec3() + dir.as_dvec3() * f64::from(t);
         let r = match kind {
-            ExactKind::Sphere => p.length(),
+            AnalyticKind::Sphere => p.length(),
             _ => p.truncate().length(),
         };
         // t itself is rounded to f32; nothing else may be lost.
@@ -96,7 +96,7 @@ fn bounds_hold_the_shape_and_touch_it() {
     let mut rng = Pcg32::new(7, 7);
     for round in 0..40 {
         let kind = KINDS[round % 4];
-        let shape = ExactShape::new(kind, random_map(&mut rng, 3.0));
+        let shape = AnalyticShape::new(kind, random_map(&mut rng, 3.0));
         let b = shape.bounds();
         let mut reached = Bounds::EMPTY;
         for i in 0..=100 {
@@ -122,7 +122,7 @@ fn bounds_hold_the_shape_and_touch_it() {
 #[test]
 fn flat_shapes_may_be_scaled_to_nothing_along_their_normal() {
     let flat = Affine3A::from_scale(Vec3::new(2.0, 3.0, 0.0));
-    let shape = ExactShape::new(ExactKind::Rectangle, flat);
+    let shape = AnalyticShape::new(AnalyticKind::Rectangle, flat);
     let hit = shape.intersect(Vec3::new(1.0, 1.5, 4.0), -Vec3::Z, 0.0, 10.0);
     let (t, u, v) = hit.unwrap();
     assert!((t - 4.0).abs() < 1e-6 && (u - 0.75).abs() < 1e-6 && (v - 0.75).abs() < 1e-6);
@@ -133,8 +133,8 @@ fn degenerate_shapes_and_rays_are_misses() {
     let odd = [0.0, f32::NAN, f32::INFINITY, 1e38, -1e38];
     for kind in KINDS {
         for a in odd {
-            let sound = ExactShape::new(kind, Affine3A::IDENTITY);
-            let ill = ExactShape::new(kind, Affine3A::from_scale(Vec3::new(a, a, a)));
+            let sound = AnalyticShape::new(kind, Affine3A::IDENTITY);
+            let ill = AnalyticShape::new(kind, Affine3A::from_scale(Vec3::new(a, a, a)));
             for b in odd {
                 let (v, w) = (Vec3::new(a, b, 0.0), Vec3::new(0.0, b, a));
                 for shape in [&sound, &ill] {

@@ -95,17 +95,17 @@ pub fn random_map(rng: &mut Pcg32, half: f32) -> Affine3A {
 pub fn mixed_world() -> World {
     let mut rng = Pcg32::new(8, 8);
     let kinds = [
-        ExactKind::Sphere,
-        ExactKind::Disk,
-        ExactKind::Cylinder,
-        ExactKind::Rectangle,
+        AnalyticKind::Sphere,
+        AnalyticKind::Disk,
+        AnalyticKind::Cylinder,
+        AnalyticKind::Rectangle,
     ];
     let mut exact = |id: u32, half: f32| {
         let small = Affine3A::from_scale(Vec3::splat(0.3));
         let map = random_map(&mut rng, half) * small;
         geometry(
             id,
-            Shape::Exact(ExactShape::new(kinds[id as usize % 4], map)),
+            Shape::Analytic(AnalyticShape::new(kinds[id as usize % 4], map)),
         )
     };
     let mut world = World::default();

@@ -3,9 +3,9 @@
 
 use super::models::{facets, gold};
 use super::resolved;
+use crate::bsdf::diffuse_only::Form;
 use crate::bsdf::material::{Distribution, Turning};
 use crate::bsdf::perturb::{Perturbation, bumped_normal};
-use crate::bsdf::plain::Form;
 use crate::bsdf::tree::Node;
 use crate::bsdf::{Materials, Transport};
 use crate::math::{Frame, Rgb, Vec2, Vec3};

@@ -225,7 +225,7 @@ fn a_delta_lobe_and_the_rest_are_all_lobes() {
     let mut apart = 0;
     for name in models::SMOOTH.into_iter().chain(models::DELTA) {
         let bsdf = resolved(name, wo);
-        let Some(parts) = bsdf.apart(wo, Transport::Radiance) else {
+        let Some(parts) = bsdf.split_delta(wo, Transport::Radiance) else {
             continue;
         };
         apart += 1;

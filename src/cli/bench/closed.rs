@@ -39,7 +39,7 @@ pub fn rays_inside(subject: &Subject, count: usize) -> InsideRays {
         .par_iter()
         .filter_map(|g| match &g.shape {
             Shape::Triangles(mesh) => Some(mesh),
-            Shape::Exact(_) => None,
+            Shape::Analytic(_) => None,
         })
         .filter(|mesh| is_closed(mesh))
         .collect();

@@ -5,7 +5,7 @@ use crate::camera::Camera;
 use crate::cli::load::{self, Input, Loaded};
 use crate::cli::ray_args::RayArgs;
 use crate::cli::scene_args::SceneArgs;
-use crate::cli::{Failure, overrides};
+use crate::cli::{Failure, settings};
 use crate::film::layers::{Layers, Metadata};
 use crate::film::{Film, FilmDescription};
 use crate::guide::ModelKind;
@@ -76,10 +76,10 @@ impl Subject {
     pub fn load(args: &Table1Args, path: &Path) -> Result<Self, Failure> {
         let named = SceneArgs::of(path, &args.define, args.lenient);
         let mut loaded = load::load(&named, &Input::of(&named)?, None)?;
-        overrides::resize(&mut loaded.description.film, args.width, None);
+        settings::resize(&mut loaded.description.film, args.width, None);
         let film = &mut loaded.description.film;
         film.crop = None;
-        overrides::check_memory([0, 0, film.width, film.height])?;
+        settings::check_memory([0, 0, film.width, film.height])?;
         let fingerprint = loaded.fingerprint()?;
         let scene = loaded.build(&RayArgs {
             accel: args.accel,
@@ -100,7 +100,7 @@ impl Subject {
             camera: Camera::new(&description.camera, film.width, film.height),
             settings: PathSettings {
                 reuse: args.reuse,
-                ..overrides::path_settings(&args.light, &description.render)
+                ..settings::path_settings(&args.light, &description.render)
             },
             loaded,
             scene,
@@ -181,7 +181,7 @@ impl Subject {
                 max_bounces: settings
                     .max_depth
                     .saturating_sub(2)
-                    .min(overrides::UNLIMITED_BOUNCES),
+                    .min(settings::UNLIMITED_BOUNCES),
                 roulette_after: settings.rr_depth.saturating_sub(2),
                 seed: settings.seed,
             },
@@ -232,7 +232,7 @@ impl Subject {
     fn learn_and_draw(&self, view: &View) -> Result<Run, Failure> {
         let limits = self.limits();
         let how = LearnSettings {
-            photons: overrides::photons_as_needed(self.film(), &limits),
+            photons: settings::photons_as_needed(self.film(), &limits),
             paths: self.paths,
             ..self.learning(view.settings, DOUBLING_BATCHES, ModelKind::Gauss)
         };

@@ -19,7 +19,7 @@
 //! louder than a thousand photons.
 
 use super::moments::Moments;
-use super::needles::{SHARE, needles};
+use super::neighbour_lobes::{SHARE, neighbour_lobes};
 use super::prior::PRIOR;
 use super::{LocalModel, Neighbourhood, Query, Region};
 use crate::guide::bytes::{Reader, Writer};
@@ -78,7 +78,7 @@ pub(crate) struct Frozen {
     mixture: Mixture,
     frame: Frame,
     /// What neighbours know beside that; shared by all of them.
-    needles: Option<Arc<Mixture>>,
+    neighbour_lobes: Option<Arc<Mixture>>,
 }
 
 /// See the module.
@@ -247,7 +247,7 @@ impl LocalModel for Gauss {
         Frozen {
             mixture: Mixture::new(&stats.lobes, uniform, Domain::Disk),
             frame: region.side,
-            needles: None,
+            neighbour_lobes: None,
         }
     }
 
@@ -263,14 +263,15 @@ impl LocalModel for Gauss {
         };
         let known: Vec<_> = links.par_iter().map(of).collect();
         let neighbourhoods = neighbourhoods();
-        let needles = |n: &Neighbourhood| needles(n.known.iter().map(|&c| known[c as usize]));
-        let found: Vec<_> = neighbourhoods.par_iter().map(needles).collect();
-        for (neighbourhood, needles) in neighbourhoods.iter().zip(found) {
-            let Some(needles) = needles.map(Arc::new) else {
+        let neighbour_lobes =
+            |n: &Neighbourhood| neighbour_lobes(n.known.iter().map(|&c| known[c as usize]));
+        let found: Vec<_> = neighbourhoods.par_iter().map(neighbour_lobes).collect();
+        for (neighbourhood, neighbour_lobes) in neighbourhoods.iter().zip(found) {
+            let Some(neighbour_lobes) = neighbour_lobes.map(Arc::new) else {
                 continue;
             };
             for &c in &neighbourhood.learning {
-                frozen[c as usize].needles = Some(Arc::clone(&needles));
+                frozen[c as usize].neighbour_lobes = Some(Arc::clone(&neighbour_lobes));
             }
         }
     }
@@ -278,18 +279,18 @@ impl LocalModel for Gauss {
     fn bytes(frozen: &[Frozen]) -> usize {
         let shared = |f: &Frozen| {
             let part = |n: &Arc<Mixture>| size_of::<Mixture>() / Arc::strong_count(n);
-            f.needles.as_ref().map_or(0, part)
+            f.neighbour_lobes.as_ref().map_or(0, part)
         };
         size_of_val(frozen) + frozen.iter().map(shared).sum::<usize>()
     }
 
     #[inline]
     fn sample(m: &Frozen, _: DirectionCell, _: &Query, u: Vec2) -> Vec3 {
-        let Some(needles) = &m.needles else {
+        let Some(neighbour_lobes) = &m.neighbour_lobes else {
             return to_direction(&m.frame, m.mixture.sample_by_two(u));
         };
         let place = if u.x < SHARE {
-            needles.sample_by_two(Vec2::new((u.x / SHARE).min(BELOW_ONE), u.y))
+            neighbour_lobes.sample_by_two(Vec2::new((u.x / SHARE).min(BELOW_ONE), u.y))
         } else {
             let rest = (u.x - SHARE) / (1.0 - SHARE);
             m.mixture.sample_by_two(Vec2::new(rest.min(BELOW_ONE), u.y))
@@ -301,8 +302,8 @@ impl LocalModel for Gauss {
     fn pdf(m: &Frozen, _: DirectionCell, _: &Query, w: Vec3) -> f32 {
         let place = to_place(&m.frame, w);
         let own = m.mixture.density(place);
-        let density = match &m.needles {
-            Some(needles) => (1.0 - SHARE) * own + SHARE * needles.density(place),
+        let density = match &m.neighbour_lobes {
+            Some(neighbour_lobes) => (1.0 - SHARE) * own + SHARE * neighbour_lobes.density(place),
             None => own,
         };
         density * DENSITY

@@ -19,7 +19,7 @@ mod gauss;
 mod kind;
 mod lobe;
 mod moments;
-mod needles;
+mod neighbour_lobes;
 mod prior;
 mod vmf;
 
@@ -28,7 +28,7 @@ use accumulate::{Slots, accumulate};
 pub(crate) use constant::Constant;
 pub(crate) use gauss::Gauss;
 pub use kind::ModelKind;
-pub(crate) use needles::LEVELS_UP;
+pub(crate) use neighbour_lobes::LEVELS_UP;
 pub(crate) use vmf::Vmf;
 
 use super::bytes::{Reader, Writer};

@@ -2,7 +2,8 @@
 
 use super::synthetic::{disk_light, unit_box};
 use crate::guide::{
-    FieldFile, FractionRecord, Fractions, Ledger, ModelKind, Numbers, Product, Settings, Trainer,
+    FieldFile, FractionRecord, Fractions, ModelKind, Numbers, Product, SampleRanges, Settings,
+    Trainer,
 };
 use crate::math::{Pcg32, Rgb, Vec2, Vec3};
 
@@ -164,13 +165,13 @@ fn kept(model: ModelKind) -> FieldFile {
         })
         .collect();
     fractions.update(&field, &records);
-    let ledger = Ledger {
+    let sample_ranges = SampleRanges {
         recipe: "made up".to_owned(),
         photons: Numbers::new(0..500, 0..500),
         paths: Numbers::new(0..0, 0..0),
         unrefined: false,
     };
-    FieldFile::new(trainer, ledger, &field, &fractions)
+    FieldFile::new(trainer, sample_ranges, &field, &fractions)
 }
 
 #[test]
@@ -179,7 +180,7 @@ fn fractions_and_ledger_come_back_whatever_the_order_of_cells() {
         let file = kept(*model);
         let (field, fractions) = file.freeze();
         let back = FieldFile::from_bytes(&file.to_bytes()).unwrap();
-        assert_eq!(back.ledger, file.ledger);
+        assert_eq!(back.sample_ranges, file.sample_ranges);
         assert!(back.to_bytes() == file.to_bytes());
         let (other, others) = back.freeze();
         let mut rng = Pcg32::new(1, 1);
@@ -232,10 +233,10 @@ fn fields_with_common_records_are_not_added() {
     );
     let mut sum = base.clone();
     sum.merge(&base.emptied()).unwrap();
-    assert!(sum.ledger.photons == base.ledger.photons);
+    assert!(sum.sample_ranges.photons == base.sample_ranges.photons);
     assert!(sum.trainer.to_bytes() == base.trainer.to_bytes());
     let mut other = base.emptied();
-    other.ledger.recipe = "made otherwise".to_owned();
+    other.sample_ranges.recipe = "made otherwise".to_owned();
     let error = base.clone().merge(&other).unwrap_err().to_string();
     assert!(error.contains("made up and made otherwise"), "{error}");
     let mut other = base.emptied();

@@ -5,7 +5,7 @@ use super::guess::Guess;
 use super::guesses::Guesses;
 use super::newton::{FARTHEST_COSINE, solve};
 use super::receiver::{LastRoughVertex, Receiver};
-use crate::light::{Beacon, Shining};
+use crate::light::{CausticEmitter, Shining};
 use crate::math::Vec3;
 use crate::math::mis::power_heuristic;
 use crate::scene::Scene;
@@ -13,7 +13,7 @@ use crate::scene::Scene;
 /// What is known about the chains that bring light into a scene from where it is small and bright.
 #[derive(Debug)]
 pub struct SpecularChains {
-    pub(super) beacons: Vec<Beacon>,
+    pub(super) caustic_emitters: Vec<CausticEmitter>,
     pub(super) guesses: Guesses,
 }
 
@@ -66,7 +66,7 @@ impl SpecularChains {
         chain: SpecularChain,
         light: Shining,
     ) -> f32 {
-        let Some(beacon) = self.beacons.iter().position(|b| b.is(light)) else {
+        let Some(caustic_emitter) = self.caustic_emitters.iter().position(|b| b.is(light)) else {
             return 1.0;
         };
         let pdf = self.pdf(
@@ -74,26 +74,26 @@ impl SpecularChains {
             &rough_vertex.receiver,
             rough_vertex.dir,
             chain,
-            beacon as u16,
+            caustic_emitter as u16,
         );
         power_heuristic(rough_vertex.pdf, pdf * rough_vertex.chance)
     }
 
-    /// Density with which a receiver draws a direction whose chain is `chain` and ends in `beacon`.
+    /// Density with which a receiver draws a direction whose chain is `chain` and ends in `caustic_emitter`.
     fn pdf(
         &self,
         scene: &Scene,
         receiver: &Receiver,
         dir: Vec3,
         chain: SpecularChain,
-        beacon: u16,
+        caustic_emitter: u16,
     ) -> f32 {
         let guesses = self.guesses.near(receiver.position);
-        let Some(owner) = owner(guesses, receiver, dir, chain, beacon) else {
+        let Some(owner) = owner(guesses, receiver, dir, chain, caustic_emitter) else {
             return 0.0;
         };
         let guess = &guesses[owner];
-        let light = &self.beacons[beacon as usize];
+        let light = &self.caustic_emitters[caustic_emitter as usize];
         let image = solve(scene, receiver, guess, light, &mut 0);
         let share = receiver.weight(guess) / total(guesses, receiver);
         image.map_or(0.0, |image| image.pdf(dir) * share)
@@ -111,11 +111,14 @@ pub(super) fn owner(
     receiver: &Receiver,
     dir: Vec3,
     chain: SpecularChain,
-    beacon: u16,
+    caustic_emitter: u16,
 ) -> Option<usize> {
     let mut best = (FARTHEST_COSINE, None);
     for (i, guess) in guesses.iter().enumerate() {
-        if guess.chain != chain || guess.beacon != beacon || receiver.weight(guess) <= 0.0 {
+        if guess.chain != chain
+            || guess.caustic_emitter != caustic_emitter
+            || receiver.weight(guess) <= 0.0
+        {
             continue;
         }
         let cosine = guess

@@ -11,7 +11,7 @@ use crate::accel::{Hit, Ray};
 use crate::bsdf::{LobeFlags, Transport};
 use crate::integrate::context::View;
 use crate::integrate::guiding::is_guidable;
-use crate::light::Beacon;
+use crate::light::CausticEmitter;
 use crate::math::offset::offset_origin;
 use crate::math::{PathSampler, Vec2, Vec3};
 use crate::photon::schedule::Budget;
@@ -65,35 +65,39 @@ pub fn find_chains(view: &View, budget: Budget) -> Option<SpecularChains> {
 
 fn find(scene: &Scene, seed: u64, budget: Budget) -> Option<SpecularChains> {
     let photons = photons_for(budget);
-    let mut beacons = scene.lights.beacons();
-    beacons.truncate(MOST_BEACONS);
+    let mut caustic_emitters = scene.lights.caustic_emitters();
+    caustic_emitters.truncate(MOST_BEACONS);
     let mut landed = Vec::new();
-    for (number, beacon) in beacons.iter().enumerate() {
+    for (number, caustic_emitter) in caustic_emitters.iter().enumerate() {
         let light = Light {
             number: number as u16,
-            beacon,
+            caustic_emitter,
             seed,
         };
         let Some(window) = light.look(scene, SCOUTS.min(photons / SHARE_OF_SCOUTS)) else {
             continue;
         };
-        let flown = light.shine(scene, &window, photons / beacons.len() as u64);
+        let flown = light.shine(scene, &window, photons / caustic_emitters.len() as u64);
         landed.extend(flown.into_iter().map(|f| f.landed));
     }
     let covers = |seeds: &[Guess], photon: &Landed| {
-        let Guess { chain, beacon, .. } = photon.seed;
-        let owner = owner(seeds, &photon.receiver, photon.dir, chain, beacon)?;
-        let light = &beacons[beacon as usize];
+        let Guess {
+            chain,
+            caustic_emitter,
+            ..
+        } = photon.seed;
+        let owner = owner(seeds, &photon.receiver, photon.dir, chain, caustic_emitter)?;
+        let light = &caustic_emitters[caustic_emitter as usize];
         let image = solve(scene, &photon.receiver, &seeds[owner], light, &mut 0)?;
         (image.pdf(photon.dir) > 0.0).then_some(owner)
     };
     let begin = |photon: &Landed| {
-        let light = &beacons[photon.seed.beacon as usize];
+        let light = &caustic_emitters[photon.seed.caustic_emitter as usize];
         curved(scene, &photon.receiver, &photon.seed, light).unwrap_or(photon.seed)
     };
     let seeds = Guesses::new(landed, &begin, &covers);
     (!seeds.is_empty()).then_some(SpecularChains {
-        beacons,
+        caustic_emitters,
         guesses: seeds,
     })
 }
@@ -108,7 +112,7 @@ struct Flown {
 /// A light whose photons are traced.
 struct Light<'a> {
     number: u16,
-    beacon: &'a Beacon,
+    caustic_emitter: &'a CausticEmitter,
     seed: u64,
 }
 
@@ -149,7 +153,7 @@ impl Light<'_> {
         let mut sampler = PathSampler::independent(self.seed, photon, number);
         let [u, v] = [sampler.next4(), sampler.next4()];
         let at = window.sample(Vec2::new(u[0], u[1]));
-        let ray = spawn_ray(scene, self.beacon, at, [v[0], u[2], u[3]])?;
+        let ray = spawn_ray(scene, self.caustic_emitter, at, [v[0], u[2], u[3]])?;
         let flight = Flight {
             at,
             sampler,

@@ -22,7 +22,7 @@ pub struct Guess {
     /// What follows.
     pub chain: SpecularChain,
     /// The light at its end.
-    pub beacon: u16,
+    pub caustic_emitter: u16,
     weight: bf16,
 }
 
@@ -90,13 +90,19 @@ impl Curvature {
 impl Guess {
     /// What a photon tells that comes to `place` from the unit direction `dir` and from a mirror or
     /// pane at `point`: as if the image were there.
-    pub fn new(place: Vec3, dir: Vec3, point: Vec3, chain: SpecularChain, beacon: u16) -> Self {
+    pub fn new(
+        place: Vec3,
+        dir: Vec3,
+        point: Vec3,
+        chain: SpecularChain,
+        caustic_emitter: u16,
+    ) -> Self {
         let curvature = Curvature::of_point(place.distance(point).recip());
         Self {
             towards: dir + curvature.times(place),
             curvature,
             chain,
-            beacon,
+            caustic_emitter,
             weight: bf16::ONE,
         }
     }

@@ -4,7 +4,7 @@ use super::follow::{Arrived, SpecularChain, follow_differential};
 use super::guess::Guess;
 use super::ray_differential::RayDifferential;
 use super::receiver::Receiver;
-use crate::light::Beacon;
+use crate::light::CausticEmitter;
 use crate::math::warp::concentric_disk;
 use crate::math::{Frame, Vec2, Vec3};
 use crate::scene::Scene;
@@ -76,7 +76,7 @@ struct View<'v> {
     scene: &'v Scene,
     receiver: &'v Receiver,
     chain: SpecularChain,
-    light: &'v Beacon,
+    light: &'v CausticEmitter,
     /// Where the seed is seen.
     frame: Frame,
     /// The plane of the light, as soon as it is known from where the chain shines on it.
@@ -89,7 +89,7 @@ impl<'v> View<'v> {
     fn new(
         (scene, receiver): (&'v Scene, &'v Receiver),
         seed: &Guess,
-        light: &'v Beacon,
+        light: &'v CausticEmitter,
         towards: Vec3,
         traced: &'v mut u32,
     ) -> Option<Self> {
@@ -178,7 +178,7 @@ pub fn solve(
     scene: &Scene,
     receiver: &Receiver,
     seed: &Guess,
-    light: &Beacon,
+    light: &CausticEmitter,
     traced: &mut u32,
 ) -> Option<LightImage> {
     let towards = seed.seen_from(receiver.position);
@@ -215,7 +215,12 @@ pub fn solve(
 /// the rays of a search, with images at the panes and like this: a torus in glass 0.862 and 8.1,
 /// 0.894 and 6.0; lux-pool 0.807 and 5.8, 0.819 and 4.0; a kitchen 0.907 and 7.9, 0.947 and 5.8;
 /// `scenes/pool` 0.991 and 4.9, 0.996 and 3.3, all when derivatives took rays of their own.)
-pub fn curved(scene: &Scene, receiver: &Receiver, seed: &Guess, light: &Beacon) -> Option<Guess> {
+pub fn curved(
+    scene: &Scene,
+    receiver: &Receiver,
+    seed: &Guess,
+    light: &CausticEmitter,
+) -> Option<Guess> {
     let mut traced = 0;
     let middle = solve(scene, receiver, seed, light, &mut traced)?.middle();
     let mut view = View::new((scene, receiver), seed, light, middle, &mut traced)?;

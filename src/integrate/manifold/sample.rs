@@ -8,7 +8,7 @@ use crate::accel::Hit;
 use crate::bsdf::Transport;
 use crate::integrate::context::PathContext;
 use crate::integrate::vertex::Vertex;
-use crate::light::{Beacon, Shining};
+use crate::light::{CausticEmitter, Shining};
 use crate::math::frame::normals_disagree;
 use crate::math::mis::power_heuristic;
 use crate::math::{Rgb, Vec2};
@@ -83,12 +83,13 @@ impl SpecularChains {
         if seed.chain.len() > request.most {
             return None;
         }
-        let beacon = &self.beacons[seed.beacon as usize];
-        let image = solve(scene, receiver, seed, beacon, rays)?;
+        let caustic_emitter = &self.caustic_emitters[seed.caustic_emitter as usize];
+        let image = solve(scene, receiver, seed, caustic_emitter, rays)?;
         let (dir, image_pdf) = image.sample(Vec2::new(u[1], u[2]));
         let pdf = image_pdf * (receiver.weight(seed) / total * request.chance);
         let usable = pdf > 0.0 && pdf.is_finite();
-        if !usable || owner(seeds, receiver, dir, seed.chain, seed.beacon) != Some(chosen) {
+        if !usable || owner(seeds, receiver, dir, seed.chain, seed.caustic_emitter) != Some(chosen)
+        {
             return None;
         }
         let strict = context.settings.strict_normals;
@@ -102,7 +103,7 @@ impl SpecularChains {
         }
         *rays += seed.chain.len() + 1;
         let arrived = follow(scene, receiver.ray(dir), seed.chain, request.cone, strict)?;
-        let radiance = f * (arrived.weight * shining(scene, beacon, &arrived)?);
+        let radiance = f * (arrived.weight * shining(scene, caustic_emitter, &arrived)?);
         Some(FoundLight {
             radiance,
             pdf,
@@ -112,10 +113,10 @@ impl SpecularChains {
 }
 
 /// What a light sends along the end of a chain, if the chain ends there.
-fn shining(scene: &Scene, beacon: &Beacon, arrived: &Arrived) -> Option<Rgb> {
+fn shining(scene: &Scene, caustic_emitter: &CausticEmitter, arrived: &Arrived) -> Option<Rgb> {
     let Arrived { ray, mut cone, .. } = *arrived;
-    if let Beacon::Sun { .. } = beacon {
-        if !beacon.is(Shining::Sky(ray.dir)) {
+    if let CausticEmitter::Sun { .. } = caustic_emitter {
+        if !caustic_emitter.is(Shining::Sky(ray.dir)) {
             return None;
         }
         let mut blocked = [false];
@@ -128,7 +129,7 @@ fn shining(scene: &Scene, beacon: &Beacon, arrived: &Arrived) -> Option<Rgb> {
     let surface = hit
         .is_some()
         .then(|| &scene.surfaces.list[hit.shape as usize])?;
-    if !beacon.is(Shining::Shape(surface.emitter)) {
+    if !caustic_emitter.is(Shining::Shape(surface.emitter)) {
         return None;
     }
     cone.grow(hit.t);

@@ -5,7 +5,7 @@ use super::guess::Guess;
 use super::newton::{curved, solve};
 use super::ray_differential::RayDifferential;
 use super::receiver::Receiver;
-use crate::accel::{Backend, BuildSettings, ExactKind, ExactShape, Hit, Ray};
+use crate::accel::{AnalyticKind, AnalyticShape, Backend, BuildSettings, Hit, Ray};
 use crate::bsdf::{LobeFlags, Material, MaterialId, Materials};
 use crate::light::{Emitter, SunSky};
 use crate::math::{Affine3A, Rgb, Vec3};
@@ -61,10 +61,10 @@ const SUN: Vec3 = Vec3::new(0.2, 0.8, -0.55);
 const AXIS: Vec3 = Vec3::new(0.0, 2.0, 3.0);
 const RADIUS: f32 = 0.5;
 
-fn shape(kind: ExactKind, receiver: Affine3A, material: MaterialId) -> Shape {
+fn shape(kind: AnalyticKind, receiver: Affine3A, material: MaterialId) -> Shape {
     Shape {
         name: String::new(),
-        geometry: Geometry::Exact(ExactShape::new(kind, receiver)),
+        geometry: Geometry::Analytic(AnalyticShape::new(kind, receiver)),
         material,
         emitter: None,
         flip_normals: false,
@@ -97,8 +97,8 @@ fn floor_and_mirror() -> Scene {
         * Affine3A::from_scale(Vec3::new(RADIUS, RADIUS, 20.0));
     let mut description = Description {
         shapes: vec![
-            shape(ExactKind::Rectangle, floor, matt),
-            shape(ExactKind::Cylinder, cylinder, mirror),
+            shape(AnalyticKind::Rectangle, floor, matt),
+            shape(AnalyticKind::Cylinder, cylinder, mirror),
         ],
         materials,
         emitters: vec![Emitter::SunSky {
@@ -144,7 +144,7 @@ fn on_floor(scene: &Scene, x: f32, z: f32) -> Receiver {
 #[test]
 fn a_seed_follows_the_suns_image_in_a_cylinder() {
     let scene = floor_and_mirror();
-    let beacons = scene.lights.beacons();
+    let caustic_emitters = scene.lights.caustic_emitters();
     let receiver = on_floor(&scene, 0.0, 0.0);
     // About where the mirror shows it.
     let normal = (SUN.normalize() - AXIS.normalize())
@@ -154,7 +154,7 @@ fn a_seed_follows_the_suns_image_in_a_cylinder() {
     let to_pane = (pane - receiver.position).normalize();
     let chain = SpecularChain::EMPTY.then(LobeFlags::REFLECTION);
     let flat = Guess::new(receiver.position, to_pane, pane, chain, 0);
-    let seed = curved(&scene, &receiver, &flat, &beacons[0]).expect("the sun is seen");
+    let seed = curved(&scene, &receiver, &flat, &caustic_emitters[0]).expect("the sun is seen");
 
     let dir = seed.seen_from(receiver.position).normalize();
     let seen = |seed: &Guess, from: &Receiver| seed.seen_from(from.position).normalize();
@@ -165,7 +165,8 @@ fn a_seed_follows_the_suns_image_in_a_cylinder() {
     // Everywhere near, searches begin where they end.
     for (x, z) in [(0.0, 0.1), (0.1, -0.1), (-0.3, 0.05)] {
         let from = on_floor(&scene, x, z);
-        let image = solve(&scene, &from, &seed, &beacons[0], &mut 0).expect("the sun is seen");
+        let image =
+            solve(&scene, &from, &seed, &caustic_emitters[0], &mut 0).expect("the sun is seen");
         let off = image.middle().distance(seen(&seed, &from));
         assert!(off < 1e-3, "{off} at {x} {z}");
     }
@@ -203,8 +204,8 @@ fn glass_and_mirror() -> Scene {
         * Affine3A::from_scale(Vec3::new(1.5, 1.5, 40.0));
     let mut description = Description {
         shapes: vec![
-            shape(ExactKind::Sphere, ball, glass),
-            shape(ExactKind::Cylinder, cylinder, mirror),
+            shape(AnalyticKind::Sphere, ball, glass),
+            shape(AnalyticKind::Cylinder, cylinder, mirror),
         ],
         materials,
         ..Description::empty()

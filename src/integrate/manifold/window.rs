@@ -1,7 +1,7 @@
 //! The part of a light that shines on glass and mirrors.
 
 use crate::accel::Ray;
-use crate::light::Beacon;
+use crate::light::CausticEmitter;
 use crate::math::equal_area::square_to_sphere;
 use crate::math::offset::offset_sampled;
 use crate::math::warp::concentric_disk;
@@ -48,9 +48,9 @@ impl Window {
 
 /// A photon that leaves a light by a place of its square; `u` are further uniform numbers. `None`
 /// if nothing shines that way.
-pub fn spawn_ray(scene: &Scene, light: &Beacon, at: Vec2, u: [f32; 3]) -> Option<Ray> {
+pub fn spawn_ray(scene: &Scene, light: &CausticEmitter, at: Vec2, u: [f32; 3]) -> Option<Ray> {
     match *light {
-        Beacon::Sun { center, radius } => {
+        CausticEmitter::Sun { center, radius } => {
             let frame = Frame::new(center);
             let bounds = scene.rays.bounds();
             let off = concentric_disk(Vec2::new(u[1], u[2])) * radius;
@@ -59,7 +59,7 @@ pub fn spawn_ray(scene: &Scene, light: &Beacon, at: Vec2, u: [f32; 3]) -> Option
             let from = bounds.center() + (through - dir * 2.0) * bounds.radius();
             Some(Ray::new(from, dir))
         }
-        Beacon::Lamp { emitter, .. } => {
+        CausticEmitter::Lamp { emitter, .. } => {
             let (from, n) = scene.lights.point_of(emitter, u)?;
             let dir = square_to_sphere(at);
             (dir.dot(n) > 0.0).then(|| Ray::new(offset_sampled(from, n, dir), dir))

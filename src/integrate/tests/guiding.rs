@@ -16,7 +16,7 @@ fn matt_beside(material: Material, delta: bool) -> bool {
     let id = materials.push(material);
     let wo = Vec3::new(0.6, 0.0, 0.8);
     let bsdf = materials.resolve(id, &SurfacePoint::at_uv(Vec2::ZERO), wo);
-    let apart = bsdf.apart(wo, Transport::Radiance).filter(|_| delta);
+    let apart = bsdf.split_delta(wo, Transport::Radiance).filter(|_| delta);
     is_matt(&bsdf, apart.map_or(Rest::ALL, |a| a.rest))
 }
 

@@ -8,7 +8,7 @@ use super::camera_paths::training_samples;
 use super::learner::Learned;
 use super::photons::trace_batch;
 use super::settings::LearnSettings;
-use crate::guide::{FieldFile, GuideError, Ledger, Numbers, Settings, Source};
+use crate::guide::{FieldFile, GuideError, Numbers, SampleRanges, Settings, Source};
 use crate::integrate::context::View;
 use crate::integrate::guiding::Guide;
 use crate::photon::PhotonCounts;
@@ -68,14 +68,14 @@ pub fn to_file(
     let mut trainer = learned.trainer;
     trainer.set_scene(scene_hash);
     let all = |n: u64| Numbers::new(0..n, 0..n);
-    let ledger = Ledger {
+    let sample_ranges = SampleRanges {
         recipe: recipe(view, settings),
         photons: all(learned.counts.emitted),
         paths: all(settings.paths),
         unrefined: false,
     };
     let guide = &learned.guide;
-    FieldFile::new(trainer, ledger, &guide.field, &guide.fractions)
+    FieldFile::new(trainer, sample_ranges, &guide.field, &guide.fractions)
 }
 
 /// A field that was kept, ready to guide.
@@ -114,17 +114,17 @@ pub fn extend(
     more: &More,
 ) -> Result<(FieldFile, PhotonCounts), GuideError> {
     let recipe = recipe(view, settings);
-    if recipe != base.ledger.recipe {
+    if recipe != base.sample_ranges.recipe {
         return Err(GuideError::Foreign(format!(
             "the field was learned with other settings: {}; now {recipe}",
-            base.ledger.recipe
+            base.sample_ranges.recipe
         )));
     }
     let mut file = match more.share {
         Some(_) => base.emptied(),
         None => base.clone(),
     };
-    file.ledger.unrefined = true;
+    file.sample_ranges.unrefined = true;
     let source = base.trainer.settings().source;
     let mut counts = PhotonCounts::default();
     // These records shape nothing and are no batch: cut in any way, they count the same.
@@ -132,8 +132,8 @@ pub fn extend(
     file.trainer.keep_at_most(0);
     if source != Source::Paths {
         let numbers = take(
-            &mut file.ledger.photons,
-            &base.ledger.photons,
+            &mut file.sample_ranges.photons,
+            &base.sample_ranges.photons,
             more,
             more.photons,
         );
@@ -146,7 +146,12 @@ pub fn extend(
     }
     if source != Source::Photons {
         let guide = to_guide(base);
-        let numbers = take(&mut file.ledger.paths, &base.ledger.paths, more, more.paths);
+        let numbers = take(
+            &mut file.sample_ranges.paths,
+            &base.sample_ranges.paths,
+            more,
+            more.paths,
+        );
         for piece in pieces(numbers) {
             let training_samples = training_samples(view, Some(&guide), piece);
             let samples = training_samples.into_iter().map(|l| l.samples).collect();

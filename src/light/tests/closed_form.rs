@@ -41,7 +41,7 @@ fn a_sphere_is_a_point_of_its_projected_area() {
     for radius in [1e-3, 0.5, 1.7] {
         let map = placed(Vec3::splat(radius), center);
         let s = setup(
-            vec![(exact(ExactKind::Sphere, map, false), constant(3.0))],
+            vec![(exact(AnalyticKind::Sphere, map, false), constant(3.0))],
             vec![],
         );
         // E = pi L (r/d)^2 for a sphere wholly above the horizon, facing it.
@@ -60,7 +60,7 @@ fn a_disk_above_its_centre() {
             Vec3::Z * height,
         );
         let s = setup(
-            vec![(exact(ExactKind::Disk, map, false), constant(1.0))],
+            vec![(exact(AnalyticKind::Disk, map, false), constant(1.0))],
             vec![],
         );
         let expected = PI * radius * radius / (radius * radius + height * height);
@@ -147,10 +147,10 @@ fn nothing_comes_from_what_cannot_shine() {
             (flat, constant(1.0)),
             (quad(), constant(0.0)),
             (quad(), nan),
-            (exact(ExactKind::Disk, none, false), constant(1.0)),
+            (exact(AnalyticKind::Disk, none, false), constant(1.0)),
             (
                 exact(
-                    ExactKind::Sphere,
+                    AnalyticKind::Sphere,
                     Affine3A::from_scale(Vec3::splat(1e-30)),
                     false,
                 ),
@@ -187,7 +187,7 @@ fn extreme_radiances_scale_and_extreme_random_numbers_hold() {
     let lights = |scale: f32| {
         let quad = quad_mesh(Vec3::ZERO, Vec3::X, Vec3::Y);
         let ball = exact(
-            ExactKind::Sphere,
+            AnalyticKind::Sphere,
             placed(Vec3::splat(0.3), Vec3::X * 2.0),
             false,
         );

@@ -163,37 +163,41 @@ fn spheres() {
     check_everywhere(
         "sphere",
         &one(exact(
-            ExactKind::Sphere,
+            AnalyticKind::Sphere,
             placed(Vec3::splat(0.6), at),
             false,
         )),
     );
-    let inside = one(exact(ExactKind::Sphere, placed(Vec3::splat(4.0), at), true));
+    let inside = one(exact(
+        AnalyticKind::Sphere,
+        placed(Vec3::splat(4.0), at),
+        true,
+    ));
     check_everywhere("inside of a sphere", &inside);
     let scale = Vec3::new(0.5, 0.8, 0.2);
     check_everywhere(
         "ellipsoid",
-        &one(exact(ExactKind::Sphere, placed(scale, at), false)),
+        &one(exact(AnalyticKind::Sphere, placed(scale, at), false)),
     );
 }
 
 #[test]
 fn flat_and_round_shapes() {
     let map = placed(Vec3::new(0.8, 0.5, 1.0), Vec3::ZERO);
-    check_everywhere("disk", &one(exact(ExactKind::Disk, map, false)));
-    check_everywhere("rectangle", &one(exact(ExactKind::Rectangle, map, true)));
+    check_everywhere("disk", &one(exact(AnalyticKind::Disk, map, false)));
+    check_everywhere("rectangle", &one(exact(AnalyticKind::Rectangle, map, true)));
     let mirrored = placed(Vec3::new(0.8, -0.5, 0.6), Vec3::ZERO);
     check_everywhere(
         "mirrored rectangle",
-        &one(exact(ExactKind::Rectangle, mirrored, false)),
+        &one(exact(AnalyticKind::Rectangle, mirrored, false)),
     );
     check_everywhere(
         "cylinder",
-        &one(exact(ExactKind::Cylinder, mirrored, false)),
+        &one(exact(AnalyticKind::Cylinder, mirrored, false)),
     );
     check_everywhere(
         "cylinder, inside",
-        &one(exact(ExactKind::Cylinder, mirrored, true)),
+        &one(exact(AnalyticKind::Cylinder, mirrored, true)),
     );
 }
 

@@ -42,17 +42,17 @@ fn grey(v: f32) -> Texture {
 fn photons_carry_the_power_of_their_light() {
     let map = placed(Vec3::splat(0.5), Vec3::X);
     let one = |s: EmitterShape| setup(vec![(s, grey(3.0))], vec![]);
-    let sphere = one(exact(ExactKind::Sphere, map, false));
+    let sphere = one(exact(AnalyticKind::Sphere, map, false));
     expect_power("sphere", &sphere, 3.0 * PI * PI);
-    let disk = one(exact(ExactKind::Disk, map, false));
+    let disk = one(exact(AnalyticKind::Disk, map, false));
     expect_power("disk", &disk, 3.0 * PI * PI * 0.25);
-    let cylinder = one(exact(ExactKind::Cylinder, map, true));
+    let cylinder = one(exact(AnalyticKind::Cylinder, map, true));
     expect_power("cylinder", &cylinder, 3.0 * PI * (2.0 * PI * 0.25));
     let quad = one(quad_mesh(Vec3::ZERO, Vec3::X, Vec3::Y * 2.0));
     expect_power("quad", &quad, 3.0 * PI * 2.0);
     // A prolate spheroid with half-axes 1, 1, 2: area 2 pi (1 + 2 / e asin e), e = sqrt(3) / 2.
     let long = one(exact(
-        ExactKind::Sphere,
+        AnalyticKind::Sphere,
         placed(Vec3::new(1.0, 1.0, 2.0), Vec3::ZERO),
         false,
     ));
@@ -190,7 +190,7 @@ fn photons_and_sampling_find_the_same_irradiance() {
         ),
         (
             exact(
-                ExactKind::Sphere,
+                AnalyticKind::Sphere,
                 placed(Vec3::splat(0.4), Vec3::new(1.0, 0.3, 1.6)),
                 false,
             ),
@@ -198,7 +198,7 @@ fn photons_and_sampling_find_the_same_irradiance() {
         ),
         (
             exact(
-                ExactKind::Cylinder,
+                AnalyticKind::Cylinder,
                 placed(Vec3::new(0.5, 0.3, 1.0), Vec3::new(-1.0, 1.0, 1.6)),
                 false,
             ),
@@ -233,8 +233,11 @@ fn far() -> Vec<(&'static str, Setup)> {
         intensity: Rgb::splat(3e4),
     };
     vec![
-        ("far sphere", shape(exact(ExactKind::Sphere, disk, false))),
-        ("far disk", shape(exact(ExactKind::Disk, disk, true))),
+        (
+            "far sphere",
+            shape(exact(AnalyticKind::Sphere, disk, false)),
+        ),
+        ("far disk", shape(exact(AnalyticKind::Disk, disk, true))),
         (
             "far triangles",
             shape(quad_mesh(
@@ -283,7 +286,7 @@ fn photons_from_afar_arrive() {
 fn a_far_light_is_chosen_by_what_it_sends_here() {
     let disk = |radius, at, flip| {
         let map = Affine3A::from_translation(at) * Affine3A::from_scale(Vec3::splat(radius));
-        exact(ExactKind::Disk, map, flip)
+        exact(AnalyticKind::Disk, map, flip)
     };
     let near = disk(1.0, Vec3::Z, false);
     let far = disk(3.0, Vec3::Z * 40.0, true);

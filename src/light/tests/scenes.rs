@@ -26,8 +26,8 @@ pub fn shape(shape: Shape, flip_normals: bool) -> EmitterShape {
     }
 }
 
-pub fn exact(kind: ExactKind, to_world: Affine3A, flip: bool) -> EmitterShape {
-    shape(Shape::Exact(ExactShape::new(kind, to_world)), flip)
+pub fn exact(kind: AnalyticKind, to_world: Affine3A, flip: bool) -> EmitterShape {
+    shape(Shape::Analytic(AnalyticShape::new(kind, to_world)), flip)
 }
 
 pub fn mesh(positions: &[Vec3], triangles: &[[u32; 3]]) -> EmitterShape {
@@ -131,7 +131,7 @@ fn hits(shape: &Shape, p: Vec3, dir: Vec3) -> Vec<(f32, u32, Vec3)> {
                 inside.then(|| (x.z, i, e.cross(f)))
             })
             .collect(),
-        Shape::Exact(exact) => {
+        Shape::Analytic(exact) => {
             // In f64: the tests are after the lights' rounding, not this function's.
             let map = exact.to_world;
             let object = glam::DAffine3::from_cols(
@@ -147,23 +147,23 @@ fn hits(shape: &Shape, p: Vec3, dir: Vec3) -> Vec<(f32, u32, Vec3)> {
             let mut found = Vec::new();
             let mut add = |t: f64, n: DVec3| found.push((t as f32, 0, (normals * n).as_vec3()));
             match exact.kind {
-                ExactKind::Disk | ExactKind::Rectangle => {
+                AnalyticKind::Disk | AnalyticKind::Rectangle => {
                     let t = -o.z / d.z;
                     let q = o + d * t;
                     let inside = match exact.kind {
-                        ExactKind::Disk => q.truncate().length() <= 1.0,
+                        AnalyticKind::Disk => q.truncate().length() <= 1.0,
                         _ => q.truncate().abs().max_element() <= 1.0,
                     };
                     if inside {
                         add(t, DVec3::Z);
                     }
                 }
-                ExactKind::Sphere => {
+                AnalyticKind::Sphere => {
                     for t in roots(d.length_squared(), o.dot(d), o.length_squared() - 1.0) {
                         add(t, o + d * t);
                     }
                 }
-                ExactKind::Cylinder => {
+                AnalyticKind::Cylinder => {
                     let (o2, d2) = (o.truncate(), d.truncate());
                     for t in roots(d2.length_squared(), o2.dot(d2), o2.length_squared() - 1.0) {
                         let q = o + d * t;

@@ -44,14 +44,14 @@ fn textures_lie_where_rays_see_them() {
     );
     let back = map.inverse();
     let rectangle = setup(
-        vec![(exact(ExactKind::Rectangle, map, false), checkered())],
+        vec![(exact(AnalyticKind::Rectangle, map, false), checkered())],
         vec![],
     );
     compare("rectangle", &rectangle, |q| {
         back.transform_point3(q).truncate() * 0.5 + 0.5
     });
     let disk = setup(
-        vec![(exact(ExactKind::Disk, map, false), checkered())],
+        vec![(exact(AnalyticKind::Disk, map, false), checkered())],
         vec![],
     );
     compare("disk", &disk, |q| {

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+pub mod default_scene;
 mod encoding;
 pub mod gltf;
 pub mod ior;
@@ -13,7 +14,6 @@ mod options;
 pub mod parts;
 pub mod spectrum;
 mod spectrum_tables;
-pub mod studio;
 
 pub use options::{ImportOptions, LoadMesh, OpenTexture};
 

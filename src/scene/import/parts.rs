@@ -89,7 +89,7 @@ pub fn bounds_of(shapes: &[Shape], instances: &[(u32, DAffine3)]) -> Bounds {
 /// Bounds of a shape in its own space: the world, or its group.
 pub(super) fn shape_bounds(geometry: &Geometry) -> Bounds {
     match geometry {
-        Geometry::Exact(shape) => shape.bounds(),
+        Geometry::Analytic(shape) => shape.bounds(),
         Geometry::Mesh(mesh) => {
             let positions = mesh.triangles.positions().iter();
             positions.fold(Bounds::EMPTY, |b, p| b.with(*p))

@@ -114,7 +114,7 @@ mod tests {
     fn mesh_corner(d: &Description) -> Vec3 {
         match &d.shapes[1].geometry {
             Geometry::Mesh(mesh) => mesh.triangles.positions()[1],
-            Geometry::Exact(_) => panic!("a mesh"),
+            Geometry::Analytic(_) => panic!("a mesh"),
         }
     }
 

@@ -4,7 +4,7 @@ use super::importer::Importer;
 use super::params::Params;
 use super::pending::{PendingGeometry, PendingShape, Request};
 use super::role::Role;
-use crate::accel::{ExactKind, ExactShape, TriangleMesh};
+use crate::accel::{AnalyticKind, AnalyticShape, TriangleMesh};
 use crate::math::{Affine3A, DAffine3, DVec3, Vec2};
 use crate::scene::import::ImportError;
 use crate::scene::import::mesh::{MeshKind, MeshOptions};
@@ -174,15 +174,15 @@ impl<'a> Importer<'a> {
                 let radius = p.positive("radius", 1.0);
                 let placed =
                     DAffine3::from_translation(center) * DAffine3::from_scale(DVec3::splat(radius));
-                (ExactKind::Sphere, placed)
+                (AnalyticKind::Sphere, placed)
             }
-            "disk" => (ExactKind::Disk, DAffine3::IDENTITY),
-            "cylinder" => (ExactKind::Cylinder, cylinder(p)?),
-            _ => (ExactKind::Rectangle, DAffine3::IDENTITY),
+            "disk" => (AnalyticKind::Disk, DAffine3::IDENTITY),
+            "cylinder" => (AnalyticKind::Cylinder, cylinder(p)?),
+            _ => (AnalyticKind::Rectangle, DAffine3::IDENTITY),
         };
         let placed = to_world * local;
         let axes = placed.matrix3;
-        let flat = matches!(kind, ExactKind::Disk | ExactKind::Rectangle);
+        let flat = matches!(kind, AnalyticKind::Disk | AnalyticKind::Rectangle);
         let size = if flat {
             axes.x_axis.cross(axes.y_axis).length()
         } else {
@@ -194,8 +194,8 @@ impl<'a> Importer<'a> {
                 "{place}: this shape is flattened to nothing and will not be seen"
             ));
         }
-        let shape = ExactShape::new(kind, single(placed));
-        Ok(PendingGeometry::Ready(Geometry::Exact(shape)))
+        let shape = AnalyticShape::new(kind, single(placed));
+        Ok(PendingGeometry::Ready(Geometry::Analytic(shape)))
     }
 
     /// The group that object `index` describes. Its shapes are imported once.

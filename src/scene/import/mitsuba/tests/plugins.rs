@@ -1,7 +1,7 @@
 //! Plugins of every family, by their numbers.
 
 use super::Stage;
-use crate::accel::ExactKind;
+use crate::accel::AnalyticKind;
 use crate::bsdf::Material;
 use crate::bsdf::material::Distribution;
 use crate::light::Emitter;
@@ -202,11 +202,11 @@ fn shapes_stand_where_the_scene_says() {
     );
     assert_eq!(d.warnings, [""; 0]);
     let exact = |i: usize| match &d.shapes[i].geometry {
-        Geometry::Exact(shape) => *shape,
+        Geometry::Analytic(shape) => *shape,
         Geometry::Mesh(_) => panic!("not exact"),
     };
     let sphere = exact(0);
-    assert_eq!(sphere.kind, ExactKind::Sphere);
+    assert_eq!(sphere.kind, AnalyticKind::Sphere);
     assert_eq!(
         sphere.to_world.transform_point3(Vec3::X),
         Vec3::new(3.0, 2.0, 3.0)
@@ -272,7 +272,7 @@ fn the_same_mesh_is_loaded_once() {
     let d = stage.modern(&format!("{shape}{shape}{moved}"));
     let mesh = |i: usize| match &d.shapes[i].geometry {
         Geometry::Mesh(mesh) => std::sync::Arc::as_ptr(mesh),
-        Geometry::Exact(_) => panic!("not a mesh"),
+        Geometry::Analytic(_) => panic!("not a mesh"),
     };
     assert_eq!(mesh(0), mesh(1));
     assert_ne!(mesh(0), mesh(2));

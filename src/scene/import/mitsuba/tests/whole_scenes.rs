@@ -42,7 +42,7 @@ fn shared() -> Option<PathBuf> {
 fn triangles(description: &Description) -> usize {
     let count = |geometry: &Geometry| match geometry {
         Geometry::Mesh(mesh) => mesh.triangles.triangles().len(),
-        Geometry::Exact(_) => 0,
+        Geometry::Analytic(_) => 0,
     };
     description.shapes.iter().map(|s| count(&s.geometry)).sum()
 }

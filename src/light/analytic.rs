@@ -5,15 +5,15 @@
 
 use super::cluster::Cluster;
 use super::incident::{Incident, Place, at_distance, solid_angle_density};
-use crate::accel::{ExactKind, ExactShape};
+use crate::accel::{AnalyticKind, AnalyticShape};
 use crate::math::warp::{concentric_disk, uniform_sphere};
 use crate::math::{Mat3, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
 /// A unit shape placed by an affine map, that glows.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ExactArea {
-    shape: ExactShape,
+pub(super) struct AnalyticArea {
+    shape: AnalyticShape,
     /// `|det M| M^-T`: a unit normal to a world normal as long as area is stretched.
     normals: Mat3,
     area: f32,
@@ -21,21 +21,21 @@ pub(super) struct ExactArea {
 }
 
 /// Area of a unit shape.
-fn unit_area(kind: ExactKind) -> f32 {
+fn unit_area(kind: AnalyticKind) -> f32 {
     match kind {
-        ExactKind::Sphere => 4.0 * PI,
-        ExactKind::Disk => PI,
-        ExactKind::Cylinder => TAU,
-        ExactKind::Rectangle => 4.0,
+        AnalyticKind::Sphere => 4.0 * PI,
+        AnalyticKind::Disk => PI,
+        AnalyticKind::Cylinder => TAU,
+        AnalyticKind::Rectangle => 4.0,
     }
 }
 
 /// Points of the grid by which a stretched sphere's or cylinder's area is measured, on each side.
 const AREA_GRID: usize = 64;
 
-impl ExactArea {
+impl AnalyticArea {
     /// `None` if the map leaves no area.
-    pub fn new(shape: ExactShape, flip: bool) -> Option<Self> {
+    pub fn new(shape: AnalyticShape, flip: bool) -> Option<Self> {
         let m = Mat3::from(shape.to_world.matrix3);
         // The cofactor matrix: det M * M^-T even where M flattens the shape to nothing along its
         // normal.
@@ -75,21 +75,21 @@ impl ExactArea {
         let b = self.shape.bounds();
         let corners = [b.min, b.max];
         match self.shape.kind {
-            ExactKind::Disk | ExactKind::Rectangle => {
+            AnalyticKind::Disk | AnalyticKind::Rectangle => {
                 let n = (self.normals * Vec3::Z).normalize() * self.sign;
                 let cluster = Cluster::around(&corners, n, 1.0, radiance * self.area);
                 let radius = match self.shape.kind {
-                    ExactKind::Disk => self.longest_axis().min(cluster.radius),
+                    AnalyticKind::Disk => self.longest_axis().min(cluster.radius),
                     _ => cluster.radius,
                 };
                 Cluster { radius, ..cluster }
             }
             // Seen from any side about a third (cylinder) or a quarter (sphere) of the area faces a
             // point.
-            ExactKind::Cylinder => {
+            AnalyticKind::Cylinder => {
                 Cluster::around(&corners, Vec3::Z, -1.0, radiance * self.area / PI)
             }
-            ExactKind::Sphere => {
+            AnalyticKind::Sphere => {
                 Cluster::around(&corners, Vec3::Z, -1.0, radiance * self.area * 0.25)
             }
         }
@@ -107,16 +107,16 @@ impl ExactArea {
     /// A point of the unit shape and its unit normal.
     fn unit_point(&self, u: Vec2) -> (Vec3, Vec3) {
         match self.shape.kind {
-            ExactKind::Sphere => {
+            AnalyticKind::Sphere => {
                 let n = uniform_sphere(u);
                 (n, n)
             }
-            ExactKind::Disk => (concentric_disk(u).extend(0.0), Vec3::Z),
-            ExactKind::Cylinder => {
+            AnalyticKind::Disk => (concentric_disk(u).extend(0.0), Vec3::Z),
+            AnalyticKind::Cylinder => {
                 let (sin, cos) = (TAU * u.x).sin_cos();
                 (Vec3::new(cos, sin, u.y), Vec3::new(cos, sin, 0.0))
             }
-            ExactKind::Rectangle => ((u * 2.0 - 1.0).extend(0.0), Vec3::Z),
+            AnalyticKind::Rectangle => ((u * 2.0 - 1.0).extend(0.0), Vec3::Z),
         }
     }
 
@@ -143,8 +143,8 @@ impl ExactArea {
     #[inline]
     pub fn pdf(&self, p: Vec3, q: Vec3, ng: Vec3) -> f32 {
         let n = match self.shape.kind {
-            ExactKind::Disk | ExactKind::Rectangle => Vec3::Z,
-            ExactKind::Sphere | ExactKind::Cylinder => {
+            AnalyticKind::Disk | AnalyticKind::Rectangle => Vec3::Z,
+            AnalyticKind::Sphere | AnalyticKind::Cylinder => {
                 let unit = self.shape.to_world.matrix3.transpose();
                 let n = Vec3::from(unit * crate::math::Vec3A::from(ng));
                 n.normalize_or_zero() * self.sign
@@ -170,7 +170,8 @@ mod tests {
         let sheared = Affine3A::from_scale(Vec3::new(2.0, 0.5, 1.0)) * turned;
         let long = turned * Affine3A::from_scale(Vec3::new(3.0, 0.2, 1.0));
         for map in [turned, sheared, long] {
-            let disk = ExactArea::new(ExactShape::new(ExactKind::Disk, map), false).unwrap();
+            let disk =
+                AnalyticArea::new(AnalyticShape::new(AnalyticKind::Disk, map), false).unwrap();
             let Cluster { center, radius, .. } = disk.cluster(1.0);
             let mut rng = Pcg32::new(3, 3);
             let distances = (0..20_000).map(|_| {

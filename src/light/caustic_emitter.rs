@@ -10,7 +10,7 @@ use crate::math::{Frame, Vec2, Vec3};
 
 /// A small light.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Beacon {
+pub enum CausticEmitter {
     /// A part of the sky from which much of its light comes.
     Sun {
         /// Unit direction towards its middle.
@@ -45,7 +45,7 @@ pub(super) const BRIGHT: f32 = 100.0;
 /// A sun brings at least this share of its map's light, a lamp of that of all lamps.
 pub(super) const LEAST_SHARE: f32 = 0.05;
 
-impl Beacon {
+impl CausticEmitter {
     /// The sun around `center`, unless it is too large for one.
     pub(super) fn sun(center: Vec3, radius: f32) -> Option<Self> {
         (center.is_finite() && radius > 0.0 && radius <= LARGEST_SUN)
@@ -116,12 +116,12 @@ mod tests {
     fn a_crossing_changes_as_neighbours_cross() {
         const STEP: f32 = 1e-3;
         let center = Vec3::new(1.0, 6.0, -2.0);
-        let lamp = Beacon::Lamp {
+        let lamp = CausticEmitter::Lamp {
             emitter: 0,
             center,
             radius: 0.5,
         };
-        let sun = Beacon::sun(center.normalize(), 0.05).expect("it is small");
+        let sun = CausticEmitter::sun(center.normalize(), 0.05).expect("it is small");
         let org = Vec3::new(0.2, -0.3, 0.1);
         let plane = Frame::new((center - org).normalize());
         let dir = (center - org + Vec3::new(0.3, 0.0, 0.4)).normalize();

@@ -15,7 +15,7 @@ pub use words::{Sky, View, point};
 use super::ImportError;
 use super::models::palette::Paint;
 use super::parts::Parts;
-use crate::accel::{Bounds, ExactKind, ExactShape};
+use crate::accel::{AnalyticKind, AnalyticShape, Bounds};
 use crate::film::filter::Filter;
 use crate::film::{FilmDescription, FilmKind};
 use crate::light::EnvironmentImage;
@@ -105,10 +105,10 @@ impl Studio {
         let foot = center + up * (lowest - gap - center.dot(up));
         let radius = GROUND_RADII * bounds.radius().max(f32::MIN_POSITIVE);
         let material = paint.add(&mut parts.materials, false);
-        let disk = ExactShape::new(ExactKind::Disk, facing(foot, up, radius));
+        let disk = AnalyticShape::new(AnalyticKind::Disk, facing(foot, up, radius));
         parts.shapes.push(Shape {
             name: "ground".into(),
-            geometry: Geometry::Exact(disk),
+            geometry: Geometry::Analytic(disk),
             material,
             emitter: None,
             flip_normals: false,

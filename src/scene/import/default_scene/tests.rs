@@ -160,7 +160,7 @@ fn a_studio_has_a_key_a_dome_and_a_ground_under_the_model() {
     let made = studio.compose(model(CENTER, HALF)).unwrap();
     assert_eq!(made.shapes.len(), 3);
     assert_eq!(made.emitters.len(), 2);
-    let Geometry::Exact(ground) = &made.shapes[1].geometry else {
+    let Geometry::Analytic(ground) = &made.shapes[1].geometry else {
         panic!("{:?}", made.shapes[1])
     };
     let bounds = ground.bounds();

@@ -39,12 +39,12 @@ const UNIFORM: f32 = 1e-3;
 
 /// Lobes that are one needle: where the heaviest points to, and the sums of weight, x, y, xx, xy,
 /// yy.
-struct Needle {
+struct NeighbourLobe {
     place: Vec2,
     sums: [f64; 6],
 }
 
-impl Needle {
+impl NeighbourLobe {
     fn add(&mut self, lobe: &Lobe, weight: f64) {
         let (x, y) = (f64::from(lobe.mean.x), f64::from(lobe.mean.y));
         let [xx, xy, yy] = lobe.covariance.map(f64::from);
@@ -71,7 +71,7 @@ impl Needle {
 /// The needles that these cells have met, the eight heaviest; `None` if there are none. Of each
 /// cell: how many records it has met, and its lobes; all over the same plane, the cells' normals
 /// point into the same octant.
-pub(super) fn needles<'a>(
+pub(super) fn neighbour_lobes<'a>(
     cells: impl Iterator<Item = (f64, &'a [Lobe; LOBES])>,
 ) -> Option<Mixture> {
     let mut known: Vec<(f64, &Lobe)> = Vec::new();
@@ -85,28 +85,28 @@ pub(super) fn needles<'a>(
         known.extend(usable.map(|l| (f64::from(l.weight) * trust, l)));
     }
     known.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let mut needles: Vec<Needle> = Vec::new();
+    let mut neighbour_lobes: Vec<NeighbourLobe> = Vec::new();
     for (weight, lobe) in known.into_iter().filter(|k| k.0 > 0.0) {
-        let near = |n: &Needle| n.place.distance_squared(lobe.mean) < NEAR * NEAR;
-        let place = match needles.iter().position(near) {
+        let near = |n: &NeighbourLobe| n.place.distance_squared(lobe.mean) < NEAR * NEAR;
+        let place = match neighbour_lobes.iter().position(near) {
             Some(place) => place,
-            None if needles.len() == MOST => continue,
+            None if neighbour_lobes.len() == MOST => continue,
             None => {
-                needles.push(Needle {
+                neighbour_lobes.push(NeighbourLobe {
                     place: lobe.mean,
                     sums: [0.0; 6],
                 });
-                needles.len() - 1
+                neighbour_lobes.len() - 1
             }
         };
-        needles[place].add(lobe, weight);
+        neighbour_lobes[place].add(lobe, weight);
     }
-    if needles.is_empty() {
+    if neighbour_lobes.is_empty() {
         return None;
     }
-    needles.sort_by(|a, b| b.sums[0].total_cmp(&a.sums[0]));
+    neighbour_lobes.sort_by(|a, b| b.sums[0].total_cmp(&a.sums[0]));
     let mut lobes = [Lobe::default(); LOBES];
-    for (lobe, needle) in lobes.iter_mut().zip(&needles) {
+    for (lobe, needle) in lobes.iter_mut().zip(&neighbour_lobes) {
         *lobe = needle.lobe();
     }
     Some(Mixture::new(&lobes, UNIFORM, Domain::Disk))

@@ -11,7 +11,7 @@ use crate::math::{Vec2, Vec3};
 
 /// One delta lobe of a material, and all the rest.
 #[derive(Clone, Copy, Debug)]
-pub struct Apart {
+pub struct DeltaSplit {
     /// What [`Bsdf::sample`] gives for the delta lobe: its `pdf` is the probability of choosing it.
     pub delta: BsdfSample,
     /// The rest.
@@ -46,7 +46,7 @@ impl Bsdf {
     /// stands for, or else the greatest. `None` if neither is a delta lobe, or if there is nothing
     /// beside it.
     #[inline]
-    pub fn apart(&self, wo: Vec3, transport: Transport) -> Option<Apart> {
+    pub fn split_delta(&self, wo: Vec3, transport: Transport) -> Option<DeltaSplit> {
         if !self.flags().has(LobeFlags::DELTA) {
             return None;
         }
@@ -59,7 +59,7 @@ impl Bsdf {
             None => (at(BELOW_ONE)?, 0.0),
         };
         let chance = 1.0 - delta.pdf;
-        Some(Apart {
+        Some(DeltaSplit {
             delta,
             rest: Rest { start, chance },
         })

@@ -107,7 +107,7 @@ fn hull(a: &Range<u64>, b: &Range<u64>) -> Range<u64> {
 
 /// The history of a field.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Ledger {
+pub struct SampleRanges {
     /// How records were made, in the words of whoever made them. Only records made alike may be
     /// added.
     pub recipe: String,
@@ -119,7 +119,7 @@ pub struct Ledger {
     pub unrefined: bool,
 }
 
-impl Ledger {
+impl SampleRanges {
     /// Why two fields must not be added, if they must not.
     pub(crate) fn conflict(&self, other: &Self) -> Option<String> {
         if self.recipe != other.recipe {
@@ -200,13 +200,13 @@ mod tests {
         assert_eq!(some.overlap(&of(&[0..12, 15..20], 0..50)), None);
         assert_eq!(some.overlap(&Numbers::new(13..25, 0..50)), Some(13..15));
         assert_eq!(some.next(), 40);
-        let ledger = Ledger {
+        let sample_ranges = SampleRanges {
             paths: some,
-            ..Ledger::default()
+            ..SampleRanges::default()
         };
-        let missing = ledger.missing().unwrap();
+        let missing = sample_ranges.missing().unwrap();
         assert_eq!(missing, "paths 10 to 11, 15 to 19, 30 to 39");
-        let conflict = ledger.conflict(&ledger).unwrap();
+        let conflict = sample_ranges.conflict(&sample_ranges).unwrap();
         assert!(conflict.contains("paths 12 to 14"), "{conflict}");
     }
 

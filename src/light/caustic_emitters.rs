@@ -1,6 +1,6 @@
 //! The beacons of a scene: its suns and its brightest lamps.
 
-use super::beacon::{Beacon, LEAST_SHARE};
+use super::caustic_emitter::{CausticEmitter, LEAST_SHARE};
 use super::cluster::Cluster;
 use super::distant::Distant;
 use super::leaf::Leaf;
@@ -15,10 +15,10 @@ const MOST_LAMPS: usize = 4;
 
 impl Lights {
     /// All of them.
-    pub fn beacons(&self) -> Vec<Beacon> {
+    pub fn caustic_emitters(&self) -> Vec<CausticEmitter> {
         let sun = |light: &Distant| match light {
-            Distant::Sun(sun) => Beacon::sun(sun.center, (2.0 * sun.one_minus_cos).sqrt()),
-            Distant::Map(map) => map.beacon(),
+            Distant::Sun(sun) => CausticEmitter::sun(sun.center, (2.0 * sun.one_minus_cos).sqrt()),
+            Distant::Map(map) => map.caustic_emitter(),
             Distant::Constant(_) | Distant::Parallel { .. } => None,
         };
         let suns = self.distant.iter().filter_map(|(_, d)| sun(d));
@@ -26,12 +26,12 @@ impl Lights {
     }
 
     /// Shapes that are small and bright.
-    fn lamps(&self) -> Vec<Beacon> {
+    fn lamps(&self) -> Vec<CausticEmitter> {
         let (Some(local), Some(sources)) = (&self.local, &self.emission) else {
             return Vec::new();
         };
         let (mut first, mut total) = (0, 0.0);
-        let mut lamps: Vec<(f32, Beacon)> = Vec::new();
+        let mut lamps: Vec<(f32, CausticEmitter)> = Vec::new();
         // The leaves of a shape are neighbours.
         for leaves in local.leaves.chunk_by(|a, b| a.0 == b.0) {
             let share: f32 = (first..first + leaves.len())
@@ -42,7 +42,7 @@ impl Lights {
             let (center, radius) = ball(leaves);
             if radius > 0.0 && radius <= LARGEST_LAMP * sources.radius() {
                 let emitter = leaves[0].0;
-                let lamp = Beacon::Lamp {
+                let lamp = CausticEmitter::Lamp {
                     emitter,
                     center,
                     radius,

@@ -3,7 +3,7 @@
 
 use super::description::Mesh;
 use super::surface::{Form, Surface, Surfaces};
-use crate::accel::{ExactKind, ExactShape, Hit, NO_INSTANCE};
+use crate::accel::{AnalyticKind, AnalyticShape, Hit, NO_INSTANCE};
 use crate::math::{Affine3A, Mat3, Vec2, Vec3};
 
 /// A normal, and its change for each of two moves of its point.
@@ -54,7 +54,7 @@ impl Surface {
     fn turning(&self, hit: &Hit, p: Vec3, moves: [Vec3; 2]) -> Option<Turning> {
         match &self.form {
             Form::Mesh(mesh) => of_mesh(mesh, hit, moves),
-            Form::Exact(shape, flip) => of_exact(shape, *flip, p, moves),
+            Form::Analytic(shape, flip) => of_exact(shape, *flip, p, moves),
         }
     }
 }
@@ -77,11 +77,11 @@ fn of_mesh(mesh: &Mesh, hit: &Hit, moves: [Vec3; 2]) -> Option<Turning> {
 }
 
 /// The unit sphere's normals are its points, the unit cylinder's are those but for the height.
-fn of_exact(shape: &ExactShape, flip: bool, p: Vec3, moves: [Vec3; 2]) -> Option<Turning> {
+fn of_exact(shape: &AnalyticShape, flip: bool, p: Vec3, moves: [Vec3; 2]) -> Option<Turning> {
     let around = match shape.kind {
-        ExactKind::Sphere => Vec3::ONE,
-        ExactKind::Cylinder => Vec3::new(1.0, 1.0, 0.0),
-        ExactKind::Disk | ExactKind::Rectangle => return None,
+        AnalyticKind::Sphere => Vec3::ONE,
+        AnalyticKind::Cylinder => Vec3::new(1.0, 1.0, 0.0),
+        AnalyticKind::Disk | AnalyticKind::Rectangle => return None,
     };
     let sign = if flip { -around } else { around };
     let n = shape.to_object.transform_point3(p) * sign;
@@ -168,11 +168,11 @@ mod tests {
             ..Mesh::default()
         };
         let mesh = Geometry::Mesh(Arc::new(mesh));
-        let exact = |kind| Geometry::Exact(ExactShape::new(kind, map));
+        let exact = |kind| Geometry::Analytic(AnalyticShape::new(kind, map));
         for (name, geometry) in [
             ("triangle", mesh),
-            ("ellipsoid", exact(ExactKind::Sphere)),
-            ("cylinder", exact(ExactKind::Cylinder)),
+            ("ellipsoid", exact(AnalyticKind::Sphere)),
+            ("cylinder", exact(AnalyticKind::Cylinder)),
         ] {
             expect_turns(name, &scene(geometry.clone(), None), &ray);
             let placed =

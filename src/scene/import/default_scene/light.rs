@@ -1,7 +1,7 @@
 //! The light of a studio.
 
 use super::{Sky, Studio, facing};
-use crate::accel::{Bounds, ExactKind, ExactShape};
+use crate::accel::{AnalyticKind, AnalyticShape, Bounds};
 use crate::bsdf::Material;
 use crate::camera::CameraDescription;
 use crate::light::{Emitter, SunSky};
@@ -145,7 +145,7 @@ impl Studio {
         });
         parts.shapes.push(Shape {
             name: "key light".into(),
-            geometry: Geometry::Exact(ExactShape::new(ExactKind::Disk, disk)),
+            geometry: Geometry::Analytic(AnalyticShape::new(AnalyticKind::Disk, disk)),
             material,
             emitter: Some((parts.emitters.len() - 1) as u32),
             flip_normals: false,

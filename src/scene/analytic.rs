@@ -1,7 +1,7 @@
 //! Points of exact shapes.
 
 use super::transform::{normal_to_world, transform_error};
-use crate::accel::{ExactKind, ExactShape, Hit};
+use crate::accel::{AnalyticKind, AnalyticShape, Hit};
 use crate::math::{Frame, Vec2, Vec3};
 use crate::texture::SurfacePoint;
 use std::f32::consts::{PI, TAU};
@@ -15,9 +15,9 @@ struct UnitPoint {
     dp_dv: Vec3,
 }
 
-fn unit_point(kind: ExactKind, q: Vec3) -> UnitPoint {
+fn unit_point(kind: AnalyticKind, q: Vec3) -> UnitPoint {
     match kind {
-        ExactKind::Sphere => {
+        AnalyticKind::Sphere => {
             let p = q.normalize_or(Vec3::Z);
             let r = p.truncate().length();
             let (cos, sin) = if r > 0.0 {
@@ -32,7 +32,7 @@ fn unit_point(kind: ExactKind, q: Vec3) -> UnitPoint {
                 dp_dv: Vec3::new(p.z * cos, p.z * sin, -r) * PI,
             }
         }
-        ExactKind::Disk => {
+        AnalyticKind::Disk => {
             let p = Vec3::new(q.x, q.y, 0.0);
             let r = p.length();
             let out = if r > 0.0 { p / r } else { Vec3::X };
@@ -43,7 +43,7 @@ fn unit_point(kind: ExactKind, q: Vec3) -> UnitPoint {
                 dp_dv: Vec3::new(-p.y, p.x, 0.0) * TAU,
             }
         }
-        ExactKind::Cylinder => {
+        AnalyticKind::Cylinder => {
             let out = Vec3::new(q.x, q.y, 0.0).normalize_or(Vec3::X);
             UnitPoint {
                 p: Vec3::new(out.x, out.y, q.z),
@@ -52,7 +52,7 @@ fn unit_point(kind: ExactKind, q: Vec3) -> UnitPoint {
                 dp_dv: Vec3::Z,
             }
         }
-        ExactKind::Rectangle => UnitPoint {
+        AnalyticKind::Rectangle => UnitPoint {
             p: Vec3::new(q.x, q.y, 0.0),
             n: Vec3::Z,
             dp_du: Vec3::X * 2.0,
@@ -65,7 +65,7 @@ fn unit_point(kind: ExactKind, q: Vec3) -> UnitPoint {
 /// form of the unit sphere is the identity: its normal changes as the position does. A cylinder's
 /// does so along u alone, and the normals of flat shapes do not change.
 pub(super) fn exact_point<'a>(
-    shape: &ExactShape,
+    shape: &AnalyticShape,
     flip: bool,
     met: Vec3,
     hit: &Hit,
@@ -77,16 +77,16 @@ pub(super) fn exact_point<'a>(
     let dp_du = shape.to_world.transform_vector3(unit.dp_du);
     let dp_dv = shape.to_world.transform_vector3(unit.dp_dv);
     let (dn_du, dn_dv) = match shape.kind {
-        ExactKind::Sphere | ExactKind::Cylinder => {
+        AnalyticKind::Sphere | AnalyticKind::Cylinder => {
             let radius = dp_du.length().max(1e-30) / unit.dp_du.length().max(1e-30);
-            let along = if shape.kind == ExactKind::Sphere {
+            let along = if shape.kind == AnalyticKind::Sphere {
                 dp_dv
             } else {
                 Vec3::ZERO
             };
             (dp_du * (sign / radius), along * (sign / radius))
         }
-        ExactKind::Disk | ExactKind::Rectangle => (Vec3::ZERO, Vec3::ZERO),
+        AnalyticKind::Disk | AnalyticKind::Rectangle => (Vec3::ZERO, Vec3::ZERO),
     };
     SurfacePoint {
         p,
