@@ -127,12 +127,12 @@ fn edge(number: usize, step: &Step, sum: Rgb, names: &[String]) -> String {
         Some(l) if l.blocked => format!("light {} blocked", rgb(l.radiance)),
         Some(l) => format!("light {}", rgb(l.radiance)),
     };
-    let aimed = match step.aimed {
+    let manifold = match step.manifold {
         Rgb::ZERO => String::new(),
-        sun => format!(", a sun aimed at {}", rgb(sun)),
+        sun => format!(", by a specular chain {}", rgb(sun)),
     };
     format!(
-        "edge {number}{way}: from {org} along {dir} meets {met}\n  throughput {}, pdf {:e}\n  emission {}, {light}{aimed}, sum {}\n",
+        "edge {number}{way}: from {org} along {dir} meets {met}\n  throughput {}, pdf {:e}\n  emission {}, {light}{manifold}, sum {}\n",
         rgb(step.throughput),
         step.pdf,
         rgb(step.met),

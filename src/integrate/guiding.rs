@@ -186,8 +186,8 @@ impl Guide {
 
     /// Sets the rate of manifold next-event estimation, if there are chains to sample; 0 ends it.
     pub fn set_manifold_rate(&mut self, chance: f32) {
-        let aiming = self.manifold.take().map(|aiming| aiming.with_rate(chance));
-        self.manifold = aiming.filter(|_| chance > 0.0);
+        let manifold = self.manifold.take().map(|m| m.with_rate(chance));
+        self.manifold = manifold.filter(|_| chance > 0.0);
     }
 
     /// The field at a vertex, the irradiance there and the chances of what to do; nothing without

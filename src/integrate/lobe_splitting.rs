@@ -11,7 +11,7 @@
 
 use super::guided_path::GuidedPath;
 use super::path::Arrival;
-use super::roulette::MOST_WAYS;
+use super::roulette::MOST_BRANCHES;
 use super::splitting::SplitPaths;
 use crate::accel::Ray;
 use crate::bsdf::{Bsdf, BsdfSample, DeltaSplit, LobeFlags, Transport};
@@ -39,11 +39,11 @@ struct Share {
 impl Share {
     #[inline]
     fn of(path: &GuidedPath, probability: f32) -> Self {
-        let lots = path.split_budget * probability;
+        let budget = path.split_budget * probability;
         Self {
             probability,
-            chance: lots.min(1.0),
-            split_budget: lots.max(1.0),
+            chance: budget.min(1.0),
+            split_budget: budget.max(1.0),
         }
     }
 
@@ -68,7 +68,7 @@ pub fn delta_and_rest(
     wo: Vec3,
 ) -> Option<DeltaSplit> {
     let unknown = !guided && bsdf.flags().has(LobeFlags::SMOOTH);
-    if path.split_budget <= 1.0 || unknown || 2 * path.split_factor > MOST_WAYS {
+    if path.split_budget <= 1.0 || unknown || 2 * path.split_factor > MOST_BRANCHES {
         return None;
     }
     bsdf.split_delta(wo, Transport::Radiance)
@@ -110,10 +110,10 @@ pub fn split(
         }
         path.split_factor *= 2;
         arrival.radiance = Rgb::ZERO;
-        let mut way = split_paths.branch(path, 1);
-        delta.take(&mut way);
-        if let Some(ray) = go(&mut way, arrival, Some(split_delta.delta), again) {
-            split_paths.push(way, ray);
+        let mut branch = split_paths.branch(path, 1);
+        delta.take(&mut branch);
+        if let Some(ray) = go(&mut branch, arrival, Some(split_delta.delta), again) {
+            split_paths.push(branch, ray);
         }
         path.base.accumulator = split_paths.open(path.base.accumulator);
     }
@@ -142,23 +142,23 @@ mod tests {
         GuidedPath::new(Path::new(&camera, sampler, 0), split_budget)
     }
 
-    /// Whatever the lots, a lobe's expected throughput is that of choosing one of the two, and the
-    /// ways are no more than the lots.
+    /// Whatever the budget, a lobe's expected throughput is that of choosing one of the two, and
+    /// the branches are no more than the budget.
     #[test]
     fn shares_keep_the_mean_and_do_not_multiply() {
-        for lots in [1.0, 3.0, 8.0, 32.0] {
+        for budget in [1.0, 3.0, 8.0, 32.0] {
             for p in [1e-6, 0.04, 0.3, 0.5, 0.96] {
-                let shares = [p, 1.0 - p].map(|p| Share::of(&path(lots), p));
-                let mut ways = 0.0;
+                let shares = [p, 1.0 - p].map(|p| Share::of(&path(budget), p));
+                let mut branches = 0.0;
                 for share in shares {
-                    let mut way = path(lots);
-                    share.take(&mut way);
-                    let mean = way.base.throughput.x * share.chance;
+                    let mut branch = path(budget);
+                    share.take(&mut branch);
+                    let mean = branch.base.throughput.x * share.chance;
                     assert!((mean / share.probability - 1.0).abs() < 1e-6);
-                    assert_eq!(way.base.throughput.x, way.reference_throughput);
-                    ways += share.chance * way.split_budget;
+                    assert_eq!(branch.base.throughput.x, branch.reference_throughput);
+                    branches += share.chance * branch.split_budget;
                 }
-                assert!(ways <= lots * 1.000_001, "{ways} of {lots}");
+                assert!(branches <= budget * 1.000_001, "{branches} of {budget}");
                 assert!(shares[0].chance + shares[1].chance >= 1.0 - 1e-6);
             }
         }
@@ -179,7 +179,7 @@ mod tests {
                 assert!((number - (i as f32 + 0.5) * step).abs() <= step + 1e-4);
             }
         };
-        for (lots, p, guided) in [
+        for (budget, p, guided) in [
             (1.0, 0.25, false),
             (3.0, 0.03, false),
             (3.0, 0.6, false),
@@ -197,7 +197,7 @@ mod tests {
                     by_delta.push(u);
                     None
                 };
-                let (path, split_paths) = (&mut path(lots), &mut SplitPaths::default());
+                let (path, split_paths) = (&mut path(budget), &mut SplitPaths::default());
                 let left = split(
                     &lobes(p),
                     guided,
@@ -211,8 +211,8 @@ mod tests {
                     by_rest.push(u);
                 }
             }
-            even(&by_delta, (lots * p).min(1.0));
-            let rest = if guided { 1.0 } else { lots * (1.0 - p) };
+            even(&by_delta, (budget * p).min(1.0));
+            let rest = if guided { 1.0 } else { budget * (1.0 - p) };
             even(&by_rest, rest.min(1.0));
         }
     }

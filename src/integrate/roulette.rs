@@ -23,7 +23,7 @@ const MIN_SURVIVAL: f32 = 0.1;
 /// The expected contribution of a branch is at most this many times the pixel estimate.
 const MOST_SHARE: f32 = 1.2;
 /// No sample is split into more branches, whatever a field says.
-pub(super) const MOST_WAYS: u32 = 32;
+pub(super) const MOST_BRANCHES: u32 = 32;
 
 /// What roulette by throughput looks at. Where radiance is squeezed by an interface, it will be
 /// released again: eta takes that out.
@@ -62,5 +62,5 @@ pub fn split_factor(path: &GuidedPath, expected_contribution: f32) -> u32 {
     if path.pixel_estimate <= 0.0 || !share.is_finite() {
         return 1;
     }
-    ((share / MOST_SHARE).ceil() as u32).clamp(1, (MOST_WAYS / path.split_factor).max(1))
+    ((share / MOST_SHARE).ceil() as u32).clamp(1, (MOST_BRANCHES / path.split_factor).max(1))
 }

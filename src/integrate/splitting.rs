@@ -70,17 +70,17 @@ impl SplitPaths {
     /// takes the first, with an accumulator of its own like the others.
     pub fn split(
         &mut self,
-        ways: u32,
+        factor: u32,
         path: &mut GuidedPath,
         mut go: impl FnMut(&mut GuidedPath, &Arrival) -> Option<Ray>,
     ) -> Option<Ray> {
-        path.base.throughput /= ways as f32;
-        path.split_factor *= ways;
+        path.base.throughput /= factor as f32;
+        path.split_factor *= factor;
         let arrival = Arrival {
             throughput: path.base.throughput,
             radiance: Rgb::ZERO,
         };
-        for i in 1..ways {
+        for i in 1..factor {
             let mut way = self.branch(path, i);
             if let Some(ray) = go(&mut way, &arrival) {
                 self.push(way, ray);

@@ -54,7 +54,7 @@ pub struct Step {
     /// Radiance by the light sample that was drawn there.
     pub light: Option<LightBrought>,
     /// Radiance by manifold next-event estimation from there.
-    pub aimed: Rgb,
+    pub manifold: Rgb,
 }
 
 impl Step {
@@ -66,7 +66,7 @@ impl Step {
     /// Radiance that the sample gained at this vertex.
     pub fn gained(&self) -> Rgb {
         let light = self.light.filter(|l| !l.blocked);
-        self.met + self.aimed + light.map_or(Rgb::ZERO, |l| l.radiance)
+        self.met + self.manifold + light.map_or(Rgb::ZERO, |l| l.radiance)
     }
 }
 
@@ -239,7 +239,7 @@ fn step<'s>(
         pdf,
         met,
         light: light.map(|(_, light)| light),
-        aimed: output.found[before.1..]
+        manifold: output.found[before.1..]
             .iter()
             .map(|(_, found)| *found)
             .sum(),

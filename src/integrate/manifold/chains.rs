@@ -79,7 +79,8 @@ impl SpecularChains {
         power_heuristic(rough_vertex.pdf, pdf * rough_vertex.chance)
     }
 
-    /// Density with which a receiver draws a direction whose chain is `chain` and ends in `caustic_emitter`.
+    /// Density with which a receiver draws a direction whose chain is `chain` and ends in
+    /// `caustic_emitter`.
     fn pdf(
         &self,
         scene: &Scene,

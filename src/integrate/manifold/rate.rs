@@ -12,9 +12,9 @@ use crate::integrate::path::Arrival;
 /// The rates that are compared.
 pub const RATES: [f32; 5] = [0.0, 0.0625, 0.125, 0.25, 0.5];
 
-/// A light that a path met by itself with so small a density that its sample would be this many
-/// times the image's radiance counts as one of this many times: it is so rare that it spoils few
-/// pixels. (Foretold with other bounds and measured: `EXPERIMENTS.md`.)
+/// A light that a path met by itself with so small a density that its sample would be this
+/// many times the image's radiance counts as one of this many times: it is so rare that it spoils
+/// few pixels. (Foretold with other bounds and measured: `EXPERIMENTS.md`.)
 const BRIGHTEST: f64 = 50.0;
 /// No rate is expected to leave less of the variance than this.
 const LEAST_LEFT: f64 = 0.25;
@@ -25,9 +25,9 @@ struct Light {
     /// What it brings, before it is divided by a density.
     brings: f64,
     /// Density with which manifold next-event estimation drew it.
-    aimed: f64,
+    chain_pdf: f64,
     /// Density with which the path would have met it.
-    met: f64,
+    path_pdf: f64,
 }
 
 /// What manifold next-event estimation brought, and what it took.
@@ -42,8 +42,8 @@ impl PathObserver for RateStatistics {
         self.rays += u64::from(sample.rays);
         self.lights.extend(sample.found.map(|found| Light {
             brings: f64::from((arrival.throughput * found.radiance).length()) / 3f64.sqrt(),
-            aimed: f64::from(found.pdf),
-            met: f64::from(found.path_pdf),
+            chain_pdf: f64::from(found.pdf),
+            path_pdf: f64::from(found.path_pdf),
         }));
     }
 }
@@ -52,8 +52,8 @@ impl Light {
     /// What it adds to the second moment of all samples together at this chance, where it is
     /// `brightest` at most.
     fn moment(&self, chance: f32, brightest: f64) -> f64 {
-        let density = self.met + self.aimed * f64::from(chance / INITIAL_RATE);
-        self.brings * (self.brings / density).min(brightest) / self.aimed
+        let density = self.path_pdf + self.chain_pdf * f64::from(chance / INITIAL_RATE);
+        self.brings * (self.brings / density).min(brightest) / self.chain_pdf
     }
 }
 
@@ -78,7 +78,7 @@ pub struct RateTrial {
     /// What the lights add to the second moment of all samples together, for each of [`RATES`].
     moments: [f64; RATES.len()],
     /// Rays that it took.
-    aiming: u64,
+    rays: u64,
 }
 
 impl RateTrial {
@@ -87,18 +87,18 @@ impl RateTrial {
         for (sum, more) in self.moments.iter_mut().zip(found.moments(mean)) {
             *sum += more;
         }
-        self.aiming += found.rays;
+        self.rays += found.rays;
     }
 
-    /// The chance with the least variance times rays. There were so many samples, each of so much
+    /// The rate with the least variance times rays. There were so many samples, each of so much
     /// relative variance and with so many rays in all.
     pub fn best(&self, samples: f64, variance: f64, rays: f64) -> f32 {
         let first = RATES.iter().position(|c| *c == INITIAL_RATE).unwrap_or(0);
-        let aiming = self.aiming as f64 / samples;
+        let of_chains = self.rays as f64 / samples;
         let cost = |i: usize| {
             let more = (self.moments[i] - self.moments[first]) / samples;
             let times = f64::from(RATES[i] / INITIAL_RATE) - 1.0;
-            (variance + more).max(LEAST_LEFT * variance) * (rays + aiming * times)
+            (variance + more).max(LEAST_LEFT * variance) * (rays + of_chains * times)
         };
         let best = (0..RATES.len()).min_by(|a, b| cost(*a).total_cmp(&cost(*b)));
         best.map_or(INITIAL_RATE, |i| RATES[i])
@@ -110,23 +110,23 @@ mod tests {
     use super::*;
 
     /// The best chance of a thousand samples with a relative variance of 1 and 8 rays.
-    fn best(moments: [f64; RATES.len()], aiming: u64) -> f32 {
-        RateTrial { moments, aiming }.best(1000.0, 1.0, 8.0)
+    fn best(moments: [f64; RATES.len()], rays: u64) -> f32 {
+        RateTrial { moments, rays }.best(1000.0, 1.0, 8.0)
     }
 
     #[test]
-    fn nothing_is_aimed_at_in_vain() {
+    fn no_chain_is_sampled_in_vain() {
         assert_eq!(best([0.0; RATES.len()], 2000), 0.0);
         assert_eq!(best([100.0; RATES.len()], 0), 0.0);
     }
 
     #[test]
-    fn what_is_hard_to_meet_is_aimed_at_and_not_more_often_than_it_is_worth() {
-        // Left to paths it doubles the second moment; aimed at, it adds next to nothing.
+    fn what_is_hard_to_meet_is_sampled_and_not_more_often_than_it_is_worth() {
+        // Left to paths it doubles the second moment; sampled, it adds next to nothing.
         let light = Light {
             brings: 1.0,
-            aimed: 1000.0,
-            met: 1e-3,
+            chain_pdf: 1000.0,
+            path_pdf: 1e-3,
         };
         let gains = RateStatistics {
             lights: vec![light; 20_000],

@@ -27,7 +27,7 @@ pub struct LastRoughVertex {
     pub dir: Vec3,
     /// The density of that, solid angle.
     pub pdf: f32,
-    /// The chance with which the path aimed there.
+    /// The probability with which a chain was sampled there.
     pub chance: f32,
 }
 

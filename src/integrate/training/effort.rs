@@ -93,7 +93,7 @@ impl Effort {
 
     /// How many paths of a pass may teach: what is learned from them takes its share of the work to
     /// come. `sure`: it is known that guiding pays.
-    pub fn pupils(&self, sure: bool) -> u64 {
+    pub fn training_paths(&self, sure: bool) -> u64 {
         let Some(samples) = self.samples else {
             return u64::MAX;
         };

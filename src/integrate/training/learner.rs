@@ -155,7 +155,7 @@ impl Learner {
         let bytes = VERTEX_BYTES as f64 * self.vertices;
         let most = (room(&self.settings, &self.trainer) as f64 / bytes) as u64;
         let sure = self.verdict.is_some() || !self.settings.trial;
-        most.min(self.effort.pupils(sure))
+        most.min(self.effort.training_paths(sure))
             .clamp(1, MOST_TRAINING_PATHS)
     }
 
@@ -180,12 +180,12 @@ impl Learner {
         self.elapsed += start.elapsed();
     }
 
-    /// Tries how often aiming at suns and lamps pays, where no pass of an image will.
+    /// Tries how often manifold next-event estimation pays, where no pass of an image will.
     pub fn try_manifold(&mut self, view: &View) {
         trial::try_manifold(view, &mut self.guide);
     }
 
-    /// Takes note of how often aiming at suns and lamps pays.
+    /// Sets the rate of manifold next-event estimation.
     pub fn set_manifold_rate(&mut self, chance: f32) {
         self.guide.set_manifold_rate(chance);
     }

@@ -113,8 +113,8 @@ impl Verdict {
     }
 }
 
-/// Renders tiles both ways, each by about so many paths. What came of it, and how often it pays to
-/// aim at suns and lamps.
+/// Renders tiles both ways, each by about so many paths. What came of it, and the best rate of
+/// manifold next-event estimation.
 pub(super) fn trial(
     job: &Job,
     film: &FilmDescription,
@@ -132,7 +132,7 @@ pub(super) fn trial(
         ..Verdict::default()
     };
     let mut light = Vec::new();
-    let mut aims = RateTrial::default();
+    let mut rates = RateTrial::default();
     let (mut of_guided, mut of_unguided, mut variances) = (Vec::new(), Vec::new(), Vec::new());
     for (a, b) in guided.pairs().zip(unguided.pairs()) {
         let (mean_a, mean_b) = (mean_of(a), mean_of(b));
@@ -143,7 +143,7 @@ pub(super) fn trial(
         variances.extend(a[0].pixels.iter().map(|p| variance(p) / scale));
     }
     for (tile, found) in guided.tiles[0].iter().zip(&guided.gains) {
-        aims.add(found, scale(mean(tile)).sqrt());
+        rates.add(found, scale(mean(tile)).sqrt());
     }
     (verdict.guided_tail, verdict.tail) = (tail(&mut of_guided), tail(&mut of_unguided));
     let most = most(&of_guided, &of_unguided);
@@ -151,11 +151,11 @@ pub(super) fn trial(
     (verdict.light_found, verdict.light_found_error) = ratio(&light);
     let samples = variances.len() as f64 * scope.samples as f64;
     let (variance, _) = trimmed(&mut variances);
-    (verdict, aims.best(samples, variance, guided.rays))
+    (verdict, rates.best(samples, variance, guided.rays))
 }
 
-/// How often it pays to aim at suns and lamps where a view is guided by a field that was learned
-/// before.
+/// Finds the rate of manifold next-event estimation where a view is guided by a field that was
+/// learned before.
 pub fn try_manifold(view: &View, guide: &mut Guide) {
     if guide.manifold.is_none() {
         return;
@@ -164,16 +164,16 @@ pub fn try_manifold(view: &View, guide: &mut Guide) {
     let job = Job::new(view, &observer, 0);
     let scope = Scope::new(view.film, u64::MAX);
     let way = scope.render(&job, view.film, Some(guide), &SETS[..1]);
-    let mut aims = RateTrial::default();
+    let mut rates = RateTrial::default();
     let mut variances = Vec::new();
     for (tile, found) in way.tiles[0].iter().zip(&way.gains) {
         let scale = scale(mean(tile));
-        aims.add(found, scale.sqrt());
+        rates.add(found, scale.sqrt());
         variances.extend(tile.pixels.iter().map(|p| variance(p) / scale));
     }
     let samples = variances.len() as f64 * scope.samples as f64;
     let (variance, _) = trimmed(&mut variances);
-    guide.set_manifold_rate(aims.best(samples, variance, way.rays));
+    guide.set_manifold_rate(rates.best(samples, variance, way.rays));
 }
 
 /// Nobody looks on.
@@ -199,7 +199,7 @@ struct Scope {
 struct Way {
     /// By point set.
     tiles: Vec<Vec<Tile>>,
-    /// What aiming brought in each tile, by the first set.
+    /// What manifold next-event estimation brought in each tile, by the first set.
     gains: Vec<RateStatistics>,
     /// Rays a path.
     rays: f64,
@@ -286,7 +286,8 @@ impl Scope {
     }
 }
 
-/// Takes these samples of the tiles that a film holds; what aiming brought in each.
+/// Takes these samples of the tiles that a film holds; and what
+/// manifold next-event estimation brought in each.
 fn take(
     job: &Job,
     context: &PathContext,
