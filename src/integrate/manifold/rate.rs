@@ -1,9 +1,9 @@
 //! How often manifold next-event estimation is worth its rays.
 //!
 //! Every light that it finds tells what it would have cost to leave it to BSDF and field sampling.
-//! Light `x` with density `b` there adds `x^2 / b` to the second moment of a sample, and `x^2 / (b
-//! + s a)` where it is sampled with density `a` at rate `s` as well (balance heuristic). So one
-//! trial tells the variance, and the rays, of all rates.
+//! Light `x` with density `b` there adds `x^2 / b` to the second moment of a sample; where it is
+//! sampled with density `a` at rate `s` as well, it adds `x^2 / (b + s a)` (balance heuristic). So
+//! one trial tells the variance, and the rays, of all rates.
 
 use super::chains::INITIAL_RATE;
 use super::sample::ManifoldSample;
