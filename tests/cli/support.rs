@@ -155,6 +155,13 @@ pub fn make_pipe(path: &Path) {
     rustix::fs::mkfifoat(rustix::fs::CWD, path, rustix::fs::Mode::RWXU).unwrap();
 }
 
+/// Whether this process ignores SIGHUP, as the programs that it starts will then do.
+pub fn ignores_hangups() -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    u64::from_str_radix(mask.unwrap().trim(), 16).unwrap() & 1 != 0
+}
+
 /// Sends a signal, by its name without `SIG`.
 pub fn signal(child: &Child, name: &str) {
     // The shell's own `kill`: a minimal Debian has no other.

@@ -35,6 +35,11 @@ pub(super) fn hint(path: &Path, folder: &Path) -> String {
     }
 }
 
+/// The same for a file whose own folder is the only one to look into.
+pub(super) fn hint_of(path: &Path) -> String {
+    hint(path, path.parent().unwrap_or(Path::new("")))
+}
+
 /// A file whose path differs from `path` in capital and small letters alone, if in anything.
 fn similar(path: &Path) -> Option<PathBuf> {
     if path.exists() || path.as_os_str().is_empty() {

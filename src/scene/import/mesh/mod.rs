@@ -28,7 +28,7 @@ mod stl;
 mod tests;
 mod text;
 
-use super::{ImportError, encoding};
+use super::{ImportError, encoding, named};
 use crate::image::decoded::DecodeLimit;
 use crate::image::{foreign, mapped};
 use crate::math::{DAffine3, DVec3, Vec2, Vec3, Vec4};
@@ -176,7 +176,7 @@ fn open(path: &Path) -> Result<mapped::Mapped, ImportError> {
     mapped::open(path).map_err(|e| ImportError {
         at: None,
         file: Some(path.to_owned()),
-        message: format!("cannot be read: {e}"),
+        message: format!("cannot be read: {e}{}", named::hint_of(path)),
         help: None,
     })
 }

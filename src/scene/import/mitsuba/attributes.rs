@@ -5,7 +5,7 @@ use super::value::{self, Color, Value};
 use super::xml::Element;
 use super::{names, transform};
 use crate::math::DMat4;
-use crate::scene::import::ImportError;
+use crate::scene::import::{ImportError, named};
 use std::collections::HashMap;
 
 /// The attributes each parameter element may have, beside `name`.
@@ -116,8 +116,13 @@ impl Reader {
             return value::spectrum(self.required(element, attributes, "value")?).map_err(error);
         };
         let path = self.document.resolve(element.at, name);
-        let text = crate::image::regular::read_to_string(&path)
-            .map_err(|e| error(format!("cannot read the spectrum {}: {e}", path.display())))?;
+        let text = crate::image::regular::read_to_string(&path).map_err(|e| {
+            let hint = named::hint_of(&path);
+            error(format!(
+                "cannot read the spectrum {}: {e}{hint}",
+                path.display()
+            ))
+        })?;
         value::spectrum_file(&text).map_err(|m| error(format!("{}: {m}", path.display())))
     }
 

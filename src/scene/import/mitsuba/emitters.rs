@@ -12,7 +12,7 @@ use crate::image::file::ImageFile;
 use crate::image::header::Level;
 use crate::light::{Emitter, EnvironmentImage, SunSky};
 use crate::math::{DAffine3, DVec3, Rgb};
-use crate::scene::import::ImportError;
+use crate::scene::import::{ImportError, named};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -138,7 +138,11 @@ impl<'a> Importer<'a> {
             return Ok(known.clone());
         }
         if !path.exists() {
-            return Err(format!("there is no environment map {}", path.display()));
+            let hint = named::hint_of(path);
+            return Err(format!(
+                "there is no environment map {}{hint}",
+                path.display()
+            ));
         }
         let image = EnvironmentImage::read(path, gamma, self.options.decode)
             .map_err(|e| format!("cannot read the environment map {}: {}", e.path, e.reason))?;

@@ -9,7 +9,7 @@ use super::value::{Dialect, Value};
 use super::xml::{self, At, Element};
 use super::{encoding, names, references};
 use crate::image::{foreign, regular};
-use crate::scene::import::ImportError;
+use crate::scene::import::{ImportError, named};
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
@@ -331,7 +331,10 @@ fn text(path: &Path) -> Result<String, ImportError> {
         message,
         help: help.map(str::to_owned),
     };
-    let unreadable = |e: std::io::Error| plain(format!("cannot read it: {e}"), None);
+    let unreadable = |e: std::io::Error| {
+        let hint = named::hint_of(path);
+        plain(format!("cannot read it: {e}{hint}"), None)
+    };
     let bytes = regular::read(path).map_err(unreadable)?;
     if let Some(foreign) = foreign::of_scene(path, &bytes) {
         let message = format!("is no Mitsuba scene but {}", foreign.what);

@@ -5,7 +5,7 @@ use super::params::Params;
 use super::role::Role;
 use super::value::{self, Color, Dialect, Value};
 use crate::math::{DAffine3, Rgb};
-use crate::scene::import::ImportError;
+use crate::scene::import::{ImportError, named};
 use crate::texture::{BitmapSettings, Checkerboard, Filter, Grid, Texture, UvTransform, Wrap};
 use glam::{Affine2, Mat2, Vec2};
 use std::sync::Arc;
@@ -189,7 +189,8 @@ impl<'a> Importer<'a> {
         };
         let path = settings.path.clone();
         if !path.exists() {
-            let message = format!("there is no texture {}", path.display());
+            let hint = named::hint_of(&path);
+            let message = format!("there is no texture {}{hint}", path.display());
             return Err(self.document.error(at, message));
         }
         let opened = self.options.textures.open(settings);

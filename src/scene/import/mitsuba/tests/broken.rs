@@ -149,6 +149,39 @@ fn a_scene_must_be_a_scene_with_a_version() {
 }
 
 #[test]
+fn a_file_in_other_letters_is_named() {
+    let stage = Stage::new();
+    for (there, inside) in [
+        (
+            "Tex/Wood.png",
+            "<bsdf type='diffuse'><texture name='reflectance' type='bitmap'>\
+            <string name='filename' value='tex/wood.png'/></texture></bsdf>",
+        ),
+        (
+            "Box.ply",
+            "<shape type='ply'><string name='filename' value='box.ply'/></shape>",
+        ),
+        (
+            "Sky.exr",
+            "<emitter type='envmap'><string name='filename' value='SKY.exr'/></emitter>",
+        ),
+        ("More.xml", "<include filename='more.xml'/>"),
+        (
+            "Lamp.spd",
+            "<emitter type='constant'><spectrum name='radiance' filename='lamp.spd'/></emitter>",
+        ),
+    ] {
+        stage.file(there, "");
+        let error = stage.error(inside).to_string();
+        let hint = format!("{there} (capital and small letters count)");
+        assert!(
+            error.contains("; there is ") && error.contains(&hint),
+            "{error}"
+        );
+    }
+}
+
+#[test]
 fn includes_merge_and_do_not_run_in_circles() {
     let stage = Stage::new();
     stage.file(
