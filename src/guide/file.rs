@@ -36,6 +36,8 @@ pub struct FieldFile {
 #[derive(Serialize, Deserialize)]
 struct Head {
     settings: Settings,
+    /// Under this name in files.
+    #[serde(rename = "ledger")]
     sample_ranges: SampleRanges,
 }
 

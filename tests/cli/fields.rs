@@ -243,7 +243,7 @@ fn a_field_is_shown_in_numbers_and_pictures() {
     }
     let json = place.run("field f.field --json").ok().out;
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
-    assert_eq!(json["ledger"]["photons"]["taken"][0]["end"], 3000);
+    assert_eq!(json["sample_ranges"]["photons"]["taken"][0]["end"], 3000);
     let depths = json["stats"]["space_depths"].as_array().unwrap();
     let cells: u64 = depths.iter().map(|d| d.as_u64().unwrap()).sum();
     assert_eq!(json["stats"]["space_cells"].as_u64(), Some(cells));

@@ -6,8 +6,8 @@
 use super::importer::Importer;
 use super::pending::{PendingGeometry, PendingShape, Request};
 use crate::light::Emitter;
-use crate::scene::import::ImportError;
 use crate::scene::import::mesh::Loaded;
+use crate::scene::import::{ImportError, named};
 use crate::scene::{Geometry, Mesh, Shape};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -58,7 +58,11 @@ fn missing(request: &Request) -> ImportError {
     ImportError {
         at: None,
         file: None,
-        message: format!("there is no mesh {}", request.path.display()),
+        message: format!(
+            "there is no mesh {}{}",
+            request.path.display(),
+            named::hint_of(&request.path)
+        ),
         help: Some("restore the file, or go on without it with --lenient".into()),
     }
 }

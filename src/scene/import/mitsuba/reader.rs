@@ -293,7 +293,8 @@ impl Reader {
             return Err(self.document.error(element.at, message));
         }
         if !path.exists() {
-            let message = format!("there is no file {} to include", path.display());
+            let hint = named::hint_of(&path);
+            let message = format!("there is no file {} to include{hint}", path.display());
             return Err(self.document.error(element.at, message));
         }
         if self.document.files.len() >= MAX_FILES {

@@ -154,8 +154,8 @@ fn a_file_in_other_letters_is_named() {
     for (there, inside) in [
         (
             "Tex/Wood.png",
-            "<bsdf type='diffuse'><texture name='reflectance' type='bitmap'>\
-            <string name='filename' value='tex/wood.png'/></texture></bsdf>",
+            "<shape type='sphere'><bsdf type='diffuse'><texture name='reflectance' type='bitmap'>\
+            <string name='filename' value='tex/wood.png'/></texture></bsdf></shape>",
         ),
         (
             "Box.ply",
