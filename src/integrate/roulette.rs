@@ -11,6 +11,7 @@
 
 use super::guided_path::GuidedPath;
 use super::path::Path;
+
 /// Roulette lets no path live more often than this, so that paths between mirrors end (Mitsuba's
 /// bound).
 pub const MAX_SURVIVAL: f32 = 0.95;

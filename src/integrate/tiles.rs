@@ -19,6 +19,7 @@ use std::time::{Duration, Instant};
 const WAVE_SAMPLES: u64 = 4096;
 /// Edges of a path that say that it may have no end.
 const VERY_LONG: u32 = 10_000;
+
 /// What every tile of a render shares.
 pub(super) struct Job<'a> {
     pub(super) view: View<'a>,

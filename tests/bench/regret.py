@@ -23,6 +23,7 @@ import numpy as np
 import OpenImageIO as oiio
 
 import rooms
+from variance import blocks
 
 WAYS = {"none": ["--guide", "none"], "always": ["--guide", "double", "--trial", "never"], "chosen": ["--guide", "double"]}
 WINS, KEEPS, LOSES = 1.1, 0.9, 0.95
@@ -43,12 +44,6 @@ def render(args, scene, folder, more):
     subprocess.run([*common, "-o", out, "--stats", stats, "--format", "float", "--reference", first, *more], check=True)
     found = json.loads(stats.read_text())
     return pixels(out), found["errors"][-1]["cpu_seconds"], found
-
-
-def blocks(image, n):
-    """Means of n x n pixels."""
-    h, w = image.shape[0] // n * n, image.shape[1] // n * n
-    return image[:h, :w].reshape(h // n, n, w // n, n, 3).mean((1, 3))
 
 
 def error(images, mean):

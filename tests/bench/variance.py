@@ -95,4 +95,5 @@ def main():
             print(f"| {scene} | {options} | " + " | ".join(f"{x:.3g}" for x in row) + " |", flush=True)
 
 
-main()
+if __name__ == "__main__":
+    main()

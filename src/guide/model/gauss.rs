@@ -157,9 +157,9 @@ impl LocalModel for Gauss {
     const TABLE_LEVELS: u8 = 2;
     const SPLITS_DIRECTIONS: bool = false;
     // Relative variance of a sample, 64 samples, for 400, 200, 100: veach-ajar 4.4, 4.4, 4.7;
-    // kitchen 9.5, 9.0, 8.5; a torus in glass 5.5, 5.1, 3.5. Before paths were split and needles
-    // shared, for 300, 100, 50, 25: veach-ajar 6.5, 6.9, 6.9, 7.4; kitchen 23.7, 12.8, 14.7, 16.8;
-    // the torus 25.5, 7.9, 7.1, 7.3; lux-pool 23, 20, 23, 33.
+    // kitchen 9.5, 9.0, 8.5; a torus in glass 5.5, 5.1, 3.5. Before paths were split and narrow
+    // lobes shared, for 300, 100, 50, 25: veach-ajar 6.5, 6.9, 6.9, 7.4; kitchen 23.7, 12.8, 14.7,
+    // 16.8; the torus 25.5, 7.9, 7.1, 7.3; lux-pool 23, 20, 23, 33.
     const SPLIT_RECORDS: u32 = 100;
     const ITERATIONS: u32 = 4;
     type Stats = GaussStats;

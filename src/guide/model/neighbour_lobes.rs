@@ -1,4 +1,4 @@
-//! Needles of light that neighbours know.
+//! Narrow lobes of light that neighbours know.
 //!
 //! The sun through a pane, in a mirror, inside a block of glass: from wherever it is seen, it is
 //! seen in the same direction, and only some cells of a region have met it so far. A cell that has
@@ -15,22 +15,22 @@ use super::prior::PRIOR;
 use crate::guide::gaussian::{Domain, LOBES, Lobe, Mixture, positive};
 use crate::math::Vec2;
 
-/// Share of the neighbours' needles, where there are any. (Relative variance of a sample, 64
+/// Share of the neighbours' narrow lobes, where there are any. (Relative variance of a sample, 64
 /// samples, for 0, and for 0.05 with lobes of up to 1.5 degrees: a torus in glass under a small sun
 /// 5.9, 4.1; veach-ajar 4.66, 4.64; a Cornell box 0.319, 0.328. For 0.1 with lobes of up to 3
 /// degrees the last two are 4.9 and 0.352.)
 pub(super) const SHARE: f32 = 0.05;
 /// Cells of R learn from all cells below the cell so many levels up. (A torus in glass for 2, 3, 4
 /// and all levels, from cells of the same depth alone: 6.6, 4.7, 5.1, 5.3 instead of 8.0 without
-/// needles; from cells of all depths 3.5 instead of 4.1.)
+/// narrow lobes; from cells of all depths 3.5 instead of 4.1.)
 pub(crate) const LEVELS_UP: u8 = 3;
 /// A needle's variance is at most that of 1.5 degrees, in the unit square.
 const NARROW: f32 = 4.3e-5;
-/// Needles whose means are closer than one degree are one.
+/// Narrow lobes whose means are closer than one degree are one.
 const NEAR: f32 = 4.4e-3;
 /// A lobe of less weight may be chance.
 const LEAST_WEIGHT: f32 = 0.01;
-/// No more needles are told apart.
+/// No more narrow lobes are told apart.
 const MOST: usize = 64;
 /// A cell that has met so many records is believed half as much as one that has met countless.
 const DOUBT: f64 = 16.0;
@@ -68,9 +68,9 @@ impl NeighbourLobe {
     }
 }
 
-/// The needles that these cells have met, the eight heaviest; `None` if there are none. Of each
-/// cell: how many records it has met, and its lobes; all over the same plane, the cells' normals
-/// point into the same octant.
+/// The narrow lobes that these cells have met, the eight heaviest; `None` if there are none. Of
+/// each cell: how many records it has met, and its lobes; all over the same plane, the cells'
+/// normals point into the same octant.
 pub(super) fn neighbour_lobes<'a>(
     cells: impl Iterator<Item = (f64, &'a [Lobe; LOBES])>,
 ) -> Option<Mixture> {

@@ -9,6 +9,7 @@ use super::chains::INITIAL_RATE;
 use super::sample::ManifoldSample;
 use crate::integrate::observer::PathObserver;
 use crate::integrate::path::Arrival;
+
 /// The rates that are compared.
 pub const RATES: [f32; 5] = [0.0, 0.0625, 0.125, 0.25, 0.5];
 

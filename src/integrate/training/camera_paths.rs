@@ -13,6 +13,7 @@ use std::ops::Range;
 
 /// Camera paths in a wave.
 const WAVE_PATHS: u64 = 4096;
+
 /// Traces camera paths, in waves side by side; the training samples of each, in order. Path `i` of
 /// a film of n pixels looks through a pixel of its own, so that a long enough run covers the film
 /// evenly. No path is endless: there is no image whose mean that could change.

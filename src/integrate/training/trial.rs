@@ -176,7 +176,7 @@ pub fn try_manifold(view: &View, guide: &mut Guide) {
     guide.set_manifold_rate(rates.best(samples, variance, way.rays));
 }
 
-/// Nobody looks on.
+/// The observer of a trial outside of a render: it never stops it.
 struct Unwatched;
 
 impl Observer for Unwatched {
