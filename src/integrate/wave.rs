@@ -43,11 +43,8 @@ pub struct Outcomes<'w> {
 /// Buffers of a wave, kept from one tile to the next.
 #[derive(Default)]
 pub struct Wave {
-    rays: Vec<Ray>,
-    hits: Vec<Hit>,
+    bounces: Bounces,
     paths: Vec<Path>,
-    shadows: Vec<ShadowRay>,
-    shadow_rays: Vec<Ray>,
     blocked: Vec<bool>,
     outcomes: Vec<Outcome>,
     /// What the samples came to with what they share.
@@ -63,7 +60,7 @@ pub struct Wave {
 impl Wave {
     /// Empties the wave.
     pub fn clear(&mut self) {
-        self.rays.clear();
+        self.bounces.rays.clear();
         self.paths.clear();
         self.outcomes.clear();
     }
@@ -73,7 +70,7 @@ impl Wave {
     pub fn push(&mut self, camera: CameraRay, sampler: PathSampler) {
         let accumulator = self.outcomes.len() as u32;
         self.paths.push(Path::new(&camera, sampler, accumulator));
-        self.rays.push(camera.ray);
+        self.bounces.rays.push(camera.ray);
         self.outcomes.push(Outcome::default());
     }
 
@@ -141,13 +138,13 @@ impl Wave {
             let begin = |path| GuidedPath::new(path, lobe_splitting::FROM_CAMERA);
             self.guided_paths.extend(self.paths.drain(..).map(begin));
         }
-        while !self.rays.is_empty() {
-            self.hits.resize(self.rays.len(), Hit::NONE);
+        while !self.bounces.rays.is_empty() {
+            self.bounces.hits.resize(self.bounces.rays.len(), Hit::NONE);
             context
                 .scene
                 .rays
-                .intersect_batch(&self.rays, &mut self.hits);
-            self.rays_traced += self.rays.len() as u64;
+                .intersect_batch(&self.bounces.rays, &mut self.bounces.hits);
+            self.rays_traced += self.bounces.rays.len() as u64;
             match guided {
                 true => self.advance_guided(context, observer, pool),
                 false => self.advance(context, observer),
@@ -155,7 +152,7 @@ impl Wave {
             self.collect_light(context.scene, observer);
             edges = edges.saturating_add(1);
             let asks = edges >= LONG && edges % BETWEEN_LOOKS == 0;
-            if asks && !self.rays.is_empty() && gives_up(edges) {
+            if asks && !self.bounces.rays.is_empty() && gives_up(edges) {
                 return false;
             }
         }
@@ -169,14 +166,9 @@ impl Wave {
 
     /// Handles one vertex of every path.
     fn advance(&mut self, context: &PathContext, observer: &mut impl PathObserver) {
-        let bounces = Bounces {
-            rays: &mut self.rays,
-            hits: &self.hits,
-            shadow_rays: &mut self.shadow_rays,
-            shadows: &mut self.shadows,
-        };
         let outcomes = &mut self.outcomes;
-        bounces.each(context, &mut Plain, &mut self.paths, outcomes, observer);
+        self.bounces
+            .each(context, &mut Plain, &mut self.paths, outcomes, observer);
     }
 
     /// The same for guided paths.
@@ -186,12 +178,6 @@ impl Wave {
         observer: &mut impl PathObserver,
         pool: &mut PrefixPool<'s>,
     ) {
-        let bounces = Bounces {
-            rays: &mut self.rays,
-            hits: &self.hits,
-            shadow_rays: &mut self.shadow_rays,
-            shadows: &mut self.shadows,
-        };
         let outcomes = &mut self.outcomes;
         let mut output = GuidedOutput {
             split_paths: &mut self.split_paths,
@@ -200,7 +186,7 @@ impl Wave {
             found: &mut self.found,
             rays: &mut self.rays_traced,
         };
-        bounces.each(
+        self.bounces.each(
             context,
             &mut output,
             &mut self.guided_paths,
@@ -209,7 +195,7 @@ impl Wave {
         );
         for (path, ray) in self.split_paths.take() {
             self.guided_paths.push(path);
-            self.rays.push(ray);
+            self.bounces.rays.push(ray);
         }
         let accumulators = self.split_paths.accumulators();
         self.outcomes.resize(accumulators, Outcome::default());
@@ -220,14 +206,16 @@ impl Wave {
 
     /// Adds the light of all unblocked shadow rays.
     fn collect_light(&mut self, scene: &Scene, observer: &mut impl PathObserver) {
-        self.blocked.resize(self.shadow_rays.len(), false);
+        self.blocked.resize(self.bounces.shadow_rays.len(), false);
         scene
             .rays
-            .occluded_batch(&self.shadow_rays, &mut self.blocked);
-        self.rays_traced += self.shadow_rays.len() as u64;
+            .occluded_batch(&self.bounces.shadow_rays, &mut self.blocked);
+        self.rays_traced += self.bounces.shadow_rays.len() as u64;
         let mut blocked = self.blocked.iter();
-        self.shadows.retain(|_| blocked.next() == Some(&false));
-        for shadows in self.shadows.chunks(AHEAD) {
+        self.bounces
+            .shadows
+            .retain(|_| blocked.next() == Some(&false));
+        for shadows in self.bounces.shadows.chunks(AHEAD) {
             let offers = shadows.iter().map(|shadow| &shadow.offer.incoming);
             scene.lights.prefetch(offers);
             for ShadowRay { accumulator, offer } in shadows {
@@ -239,19 +227,20 @@ impl Wave {
     }
 }
 
-/// One bounce of all paths of a wave.
-struct Bounces<'w> {
-    rays: &'w mut Vec<Ray>,
-    hits: &'w [Hit],
-    shadow_rays: &'w mut Vec<Ray>,
-    shadows: &'w mut Vec<ShadowRay>,
+/// The rays of one bounce of all paths of a wave.
+#[derive(Default)]
+struct Bounces {
+    rays: Vec<Ray>,
+    hits: Vec<Hit>,
+    shadow_rays: Vec<Ray>,
+    shadows: Vec<ShadowRay>,
 }
 
-impl Bounces<'_> {
+impl Bounces {
     /// Lets every path bounce, and keeps those that go on, in order.
     #[inline(always)]
     fn each<'s, S: Scatter<'s>>(
-        self,
+        &mut self,
         context: &PathContext<'s>,
         how: &mut S,
         paths: &mut Vec<S::Path>,
