@@ -1,10 +1,13 @@
-//! Compiles the C++ shim over Debian's OpenImageIO.
+//! Makes a shared library of the C++ shim over Debian's OpenImageIO. The program embeds it and loads it
+//! when the first image is opened (src/image/oiio/library.rs says why).
 
+use std::path::{Path, PathBuf};
 use std::process::{Command, exit};
 
 const SOURCES: [&str; 2] = ["ffi/oiio_shim.cpp", "ffi/oiio_textures.cpp"];
 
-/// Called by build.rs: finds OpenImageIO by pkg-config, compiles the shim and links both.
+/// Called by build.rs: finds OpenImageIO by pkg-config, and compiles and links the shim. The program gets
+/// the shim's path and OpenImageIO's version in `TWINTREE_OIIO_SHIM` and `TWINTREE_OIIO_VERSION`.
 pub fn configure() {
     for file in ["oiio_build.rs", "oiio_shim.h", "oiio_guard.h"] {
         println!("cargo::rerun-if-changed=ffi/{file}");
@@ -13,7 +16,6 @@ pub fn configure() {
         println!("cargo::rerun-if-changed={file}");
     }
     println!("cargo::rerun-if-env-changed=CXX");
-    // Linked after the shim that needs it: pkg-config's own output would come first.
     let library = pkg_config::Config::new()
         .cargo_metadata(false)
         .range_version("2.4".."3")
@@ -24,42 +26,66 @@ pub fn configure() {
                 reason(&e)
             ))
         });
+    let shim = link(&library, &compile(&library));
+    println!("cargo::rustc-env=TWINTREE_OIIO_SHIM={}", shim.display());
+    println!("cargo::rustc-env=TWINTREE_OIIO_VERSION={}", library.version);
+}
 
-    let mut shim = cc::Build::new();
-    shim.cpp(true)
+fn compiler() -> cc::Build {
+    let mut build = cc::Build::new();
+    build
+        .cpp(true)
         .std("c++17")
-        .files(SOURCES)
         .warnings(true)
         .debug(false)
-        .cargo_metadata(true);
+        .cargo_metadata(false);
+    build
+}
+
+/// The shim's object files.
+fn compile(library: &pkg_config::Library) -> Vec<PathBuf> {
+    let mut build = compiler();
+    build.files(SOURCES).pic(true);
     // The compiler's own directory must not be named again: it would come before C++'s headers.
-    let usual = std::path::Path::new("/usr/include");
+    let usual = Path::new("/usr/include");
     for path in library.include_paths.iter().filter(|p| *p != usual) {
         // As a system directory: warnings inside its headers are not ours.
-        shim.flag("-isystem").flag(path);
+        build.flag("-isystem").flag(path);
     }
-    let compiler = shim
+    let tool = build
         .try_get_compiler()
         .unwrap_or_else(|e| missing(&format!("no C++ compiler was found: {e}")));
-    if Command::new(compiler.path())
-        .arg("--version")
-        .output()
-        .is_err()
-    {
+    if Command::new(tool.path()).arg("--version").output().is_err() {
         missing(&format!(
             "the C++ compiler {} does not run",
-            compiler.path().display()
+            tool.path().display()
         ));
     }
-    if let Err(e) = shim.try_compile("twintree_oiio_shim") {
-        missing(&format!("the shim over OpenImageIO does not compile: {e}"));
-    }
+    build
+        .try_compile_intermediates()
+        .unwrap_or_else(|e| missing(&format!("the shim over OpenImageIO does not compile: {e}")))
+}
 
+/// Links the object files and OpenImageIO to a shared library; its path.
+fn link(library: &pkg_config::Library, objects: &[PathBuf]) -> PathBuf {
+    let out = std::env::var_os("OUT_DIR").map_or_else(PathBuf::new, PathBuf::from);
+    let shim = out.join("oiio_shim.so");
+    // Without CXXFLAGS: a sanitizer's runtime is the program's, not this library's.
+    let mut command = Command::new(compiler().get_compiler().path());
+    command.args(["-shared", "-s", "-o"]).arg(&shim).args(objects);
     for path in &library.link_paths {
-        println!("cargo::rustc-link-search=native={}", path.display());
+        command.arg("-L").arg(path);
     }
     for name in &library.libs {
-        println!("cargo::rustc-link-lib={name}");
+        command.arg(format!("-l{name}"));
+    }
+    match command.output() {
+        Ok(done) if done.status.success() => shim,
+        Ok(done) => missing(&format!(
+            "the shim over OpenImageIO cannot be linked: {}",
+            String::from_utf8_lossy(&done.stderr)
+        )),
+        Err(e) => missing(&format!("the linker of C++ does not run: {e}")),
     }
 }
 

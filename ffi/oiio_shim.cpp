@@ -252,8 +252,3 @@ int twt_output_write(const char* path, const char* format, const TwtPart* parts,
         return bad ? bad : save(path, bytes, error, len);
     });
 }
-
-const char* twt_oiio_version(void)
-{
-    return OIIO_VERSION_STRING;
-}

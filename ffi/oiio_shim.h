@@ -95,9 +95,6 @@ typedef struct {
 int twt_texture_lookup(TwtTextures* textures, TwtThread* thread, TwtTexture* texture,
                        const TwtLookup* lookup, float* result);
 
-// "2.4.7"
-const char* twt_oiio_version(void);
-
 #ifdef __cplusplus
 }
 #endif

@@ -95,12 +95,15 @@ describe() {
         ffi/debian/changelog >$stage/debian/changelog
 }
 
-# Dependencies are those of the libraries that the program is linked with.
+# Dependencies are those of the libraries that the program is linked with, and of the shim over OpenImageIO
+# that it carries inside; the newest one is that of the program.
 write_control() {
     mkdir -p $root/DEBIAN
+    shim=$(ls -t target/release/build/twintree-*/out/oiio_shim.so 2>/dev/null | head -n 1)
+    cp ${shim:-$program} $stage/shim
     (
         cd $stage
-        dpkg-shlibdeps -Tdebian/substvars debian/twintree/usr/bin/twintree
+        dpkg-shlibdeps -Tdebian/substvars debian/twintree/usr/bin/twintree shim
         dpkg-gencontrol -ptwintree -Pdebian/twintree -Tdebian/substvars
     )
     (cd $root && find usr -type f -print0 | sort -z | xargs -0 md5sum) >$root/DEBIAN/md5sums

@@ -10,7 +10,7 @@ use super::targets::{check_distinct, named, try_target};
 use super::values::Pixel;
 use super::{Failure, console, output, settings};
 use crate::camera::Camera;
-use crate::image::{Format, Image, WriteOptions};
+use crate::image::{Image, WriteOptions};
 use crate::integrate::View;
 use crate::integrate::debug::cells;
 use crate::integrate::debug::probe::{self, LatLong};
@@ -30,8 +30,7 @@ use std::path::Path;
 /// written.
 pub fn run(args: &FieldArgs) -> Result<(), Failure> {
     for path in args.output.iter().chain(&args.tree) {
-        Format::of(path)?;
-        output::check_compiled(path)?;
+        output::check_format(path)?;
         try_target(path)?;
     }
     check_files(args)?;

@@ -82,8 +82,7 @@ impl Outputs {
             check_part(&images)?;
         }
         for path in &images {
-            Format::of(path)?;
-            check_compiled(path)?;
+            check_format(path)?;
         }
         for path in images.iter().chain(&args.stats) {
             try_target(path)?;
@@ -245,18 +244,19 @@ fn check_part(outputs: &[PathBuf]) -> Result<(), Failure> {
     }
 }
 
-/// Without OpenImageIO only EXR can be written.
+/// Finds out before the work whether an image can be written.
 ///
 /// # Errors
-/// When this build cannot write the format.
-pub fn check_compiled(path: &Path) -> Result<(), Failure> {
-    if cfg!(feature = "oiio") || Format::of(path) == Ok(Format::Exr) {
-        return Ok(());
+/// When the name tells no format, this build does not have it, or OpenImageIO cannot be loaded.
+pub fn check_format(path: &Path) -> Result<(), Failure> {
+    let format = Format::of(path)?;
+    if cfg!(not(feature = "oiio")) && format != Format::Exr {
+        return Err(Failure::wrong(
+            format!("{}: this build writes .exr only", path.display()),
+            "compile with the feature \"oiio\" for other formats",
+        ));
     }
-    Err(Failure::wrong(
-        format!("{}: this build writes .exr only", path.display()),
-        "compile with the feature \"oiio\" for other formats",
-    ))
+    image::load_library().map_err(|why| Failure::refused(why, "install OpenImageIO's library"))
 }
 
 /// The layers that were asked for beside the picture.

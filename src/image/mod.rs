@@ -35,7 +35,7 @@ mod write;
 mod write_options;
 
 pub use file::{read, read_linear};
-pub use write::{Format, write};
+pub use write::{Format, load_library, write};
 pub use write_options::{Compression, WriteOptions};
 
 use std::path::Path;

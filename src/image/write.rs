@@ -60,6 +60,16 @@ impl Format {
     }
 }
 
+/// Loads OpenImageIO, if this build has it: so that what is missing is found before the work.
+///
+/// # Errors
+/// Why it cannot be loaded.
+pub fn load_library() -> Result<(), String> {
+    #[cfg(feature = "oiio")]
+    super::oiio::load()?;
+    Ok(())
+}
+
 /// Writes an image. The format follows from the name: EXR, HDR and TIFF keep linear numbers, PNG
 /// and JPEG get exposure and the sRGB curve. Formats with few channels get the colours (`R`, `G`,
 /// `B`, for PNG also `A`, or the first channels).

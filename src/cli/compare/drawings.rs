@@ -32,7 +32,7 @@ impl Drawings {
             })?;
             path.join("drawing.png")
         };
-        output::check_compiled(&probe)?;
+        output::check_format(&probe)?;
         targets::try_target(&probe)?;
         Ok(Self {
             path: path.to_owned(),

@@ -1,5 +1,6 @@
 //! Declarations of ffi/oiio_shim.h, in its order. Everything here is explained there.
 
+use super::library::functions;
 use std::ffi::{c_char, c_int, c_void};
 
 pub const TEXT: i32 = 0;
@@ -68,7 +69,7 @@ pub enum Textures {}
 pub enum Texture {}
 pub enum Thread {}
 
-unsafe extern "C" {
+functions! {
     pub fn twt_input_open(
         path: *const c_char,
         out: *mut *mut Input,
@@ -144,5 +145,4 @@ unsafe extern "C" {
         lookup: *const Lookup,
         result: *mut f32,
     ) -> c_int;
-    pub fn twt_oiio_version() -> *const c_char;
 }

@@ -24,6 +24,7 @@ impl Drop for Input {
 impl Input {
     /// Opens a file. The error is the reason alone.
     pub fn open(path: &Path) -> Result<Self, String> {
+        ffi::load()?;
         let name = c_path(path)?;
         let (mut input, mut reason) = (ptr::null_mut(), Reason::new());
         // SAFETY: `name` is zero-terminated, `input` and `reason` outlive the call.

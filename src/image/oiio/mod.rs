@@ -2,6 +2,8 @@
 
 mod ffi;
 pub mod input;
+mod library;
+pub use ffi::load;
 pub mod output;
 pub mod textures;
 
@@ -11,10 +13,7 @@ use std::path::Path;
 
 /// Version of the OpenImageIO that this was compiled against.
 pub fn version() -> &'static str {
-    // SAFETY: a string literal of the shim.
-    unsafe { CStr::from_ptr(ffi::twt_oiio_version()) }
-        .to_str()
-        .unwrap_or("unknown")
+    env!("TWINTREE_OIIO_VERSION")
 }
 
 /// Numbers of the types in the shim.

@@ -79,6 +79,7 @@ pub fn write(path: &Path, format: &str, parts: &[Part]) -> Result<(), String> {
             ));
         }
     }
+    ffi::load()?;
     let (path, format) = (c_path(path)?, c_text(format));
     let held: Vec<Held> = parts.iter().map(Held::new).collect();
     let mut raw = Vec::with_capacity(parts.len());

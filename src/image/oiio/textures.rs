@@ -64,6 +64,7 @@ impl TextureSystem {
     /// A cache for at most `max_bytes` of texels (OpenImageIO keeps no less than 10 MB).
     pub fn new(max_bytes: usize) -> Result<Self, String> {
         static IDS: AtomicU64 = AtomicU64::new(1);
+        ffi::load()?;
         // SAFETY: no preconditions; null says that it failed.
         let raw = unsafe { ffi::twt_textures_create(max_bytes as f32 / (1024.0 * 1024.0)) };
         Ok(Self {
