@@ -72,7 +72,10 @@ fn link(library: &pkg_config::Library, objects: &[PathBuf]) -> PathBuf {
     let shim = out.join("oiio_shim.so");
     // Without CXXFLAGS: a sanitizer's runtime is the program's, not this library's.
     let mut command = Command::new(compiler().get_compiler().path());
-    command.args(["-shared", "-s", "-o"]).arg(&shim).args(objects);
+    command
+        .args(["-shared", "-s", "-o"])
+        .arg(&shim)
+        .args(objects);
     for path in &library.link_paths {
         command.arg("-L").arg(path);
     }
