@@ -267,17 +267,19 @@ fn cube(p: &Params, to_world: DAffine3) -> Result<PendingGeometry, ImportError> 
     // Faces stay turned outwards under a mirroring map, as Mitsuba's vertex normals do.
     let inward = p.boolean("flip_normals", false) != (to_world.matrix3.determinant() < 0.0);
     let (mut positions, mut uvs, mut triangles) = (Vec::new(), Vec::new(), Vec::new());
+    // Each face's normal and direction of u, as in Mitsuba's table of vertices: (0, 0) of the
+    // texture lies so that v grows along u x normal.
     for (normal, u_axis) in [
         (DVec3::X, DVec3::Y),
         (DVec3::NEG_X, DVec3::Y),
-        (DVec3::Y, DVec3::Z),
+        (DVec3::Y, DVec3::NEG_X),
         (DVec3::NEG_Y, DVec3::Z),
-        (DVec3::Z, DVec3::X),
-        (DVec3::NEG_Z, DVec3::X),
+        (DVec3::Z, DVec3::Y),
+        (DVec3::NEG_Z, DVec3::NEG_Y),
     ] {
-        let v_axis = normal.cross(u_axis);
+        let v_axis = u_axis.cross(normal);
         let first = positions.len() as u32;
-        for (u, v) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+        for (u, v) in [(-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)] {
             let corner = normal + u_axis * u + v_axis * v;
             positions.push(to_world.transform_point3(corner).as_vec3());
             uvs.push(Vec2::new(0.5 * (u as f32 + 1.0), 0.5 * (v as f32 + 1.0)));

@@ -248,6 +248,39 @@ fn cubes_are_closed_and_turned_outwards() {
     }
 }
 
+/// Vertices and texture coordinates of Mitsuba 3.9.1's cube: per face, the corners at (0, 1), (1, 1),
+/// (1, 0) and (0, 0) (`mi.traverse(mi.load_dict({"type": "cube"}))`).
+#[test]
+fn textures_lie_on_cubes_as_in_mitsuba() {
+    let expected = [
+        [[1, -1, -1], [1, -1, 1], [-1, -1, 1], [-1, -1, -1]],
+        [[1, 1, -1], [-1, 1, -1], [-1, 1, 1], [1, 1, 1]],
+        [[1, -1, -1], [1, 1, -1], [1, 1, 1], [1, -1, 1]],
+        [[1, -1, 1], [1, 1, 1], [-1, 1, 1], [-1, -1, 1]],
+        [[-1, -1, 1], [-1, 1, 1], [-1, 1, -1], [-1, -1, -1]],
+        [[1, 1, -1], [1, -1, -1], [-1, -1, -1], [-1, 1, -1]],
+    ];
+    let d = Stage::new().modern("<shape type='cube'/>");
+    let Geometry::Mesh(mesh) = &d.shapes[0].geometry else {
+        panic!()
+    };
+    let found: Vec<_> = mesh
+        .triangles
+        .positions()
+        .chunks(4)
+        .map(|face| face.iter().map(|p| p.as_ivec3().to_array()).collect())
+        .collect::<Vec<Vec<_>>>();
+    for face in expected {
+        assert!(found.contains(&face.to_vec()), "{face:?} in {found:?}");
+    }
+    let corners = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]];
+    let uvs = mesh.uvs.as_ref().unwrap();
+    assert!(
+        uvs.chunks(4)
+            .all(|face| face.iter().map(|uv| uv.to_array()).eq(corners))
+    );
+}
+
 #[test]
 fn groups_are_imported_once_and_placed_often() {
     let d = Stage::new().modern(
