@@ -88,6 +88,7 @@ impl ErrorTrack {
             return;
         };
         let errors = Errors::of(&pair);
+        let [relmse_4x4, relmse_16x16] = errors.rel_mse_of_blocks;
         let mut state = self.state();
         let spent = cpu.saturating_sub(self.cpu_start + state.cpu_taken);
         state.points.push(ErrorPoint {
@@ -98,6 +99,8 @@ impl ErrorTrack {
             rmse: errors.rmse(),
             relmse: errors.rel_mse,
             relmse_trimmed: errors.rel_mse_trimmed,
+            relmse_4x4,
+            relmse_16x16,
         });
         state.cpu_taken += cpu_time().saturating_sub(cpu);
         state.taken += start.elapsed();

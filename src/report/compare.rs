@@ -44,6 +44,10 @@ pub struct ImageErrors {
     pub relmse: f64,
     /// The same without the worst 0.1 % of the pixels.
     pub relmse_trimmed: f64,
+    /// relMSE of the means over blocks of 4 x 4 pixels; `null` where there is no such block.
+    pub relmse_4x4: Option<f64>,
+    /// The same for 16 x 16 pixels.
+    pub relmse_16x16: Option<f64>,
     /// Structural similarity; `null` for images below 7 x 7.
     pub ssim: Option<f64>,
     /// Peak signal-to-noise ratio in decibels; `null` for equal images.
@@ -75,12 +79,13 @@ pub struct Z {
 }
 
 /// Heads of the columns.
-const HEAD: [&str; 13] = [
+const HEAD: [&str; 14] = [
     "image",
     "L1",
     "RMSE",
     "relMSE",
     "relMSE trimmed",
+    "relMSE 4x4, 16x16",
     "SSIM",
     "PSNR",
     "FLIP",
@@ -119,6 +124,7 @@ fn row(of: &ImageErrors) -> Vec<String> {
         number(of.rmse),
         number(of.relmse),
         number(of.relmse_trimmed),
+        super::words::errors_of_blocks([of.relmse_4x4, of.relmse_16x16]),
         or_dash(of.ssim),
         number(of.psnr),
         number(of.flip),

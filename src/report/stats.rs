@@ -98,6 +98,12 @@ pub struct ErrorPoint {
     pub relmse: f64,
     /// The same without the worst 0.1 % of the pixels.
     pub relmse_trimmed: f64,
+    /// relMSE of the means over blocks of 4 x 4 pixels; `null` where there is no such block.
+    #[serde(default)]
+    pub relmse_4x4: Option<f64>,
+    /// The same for 16 x 16 pixels.
+    #[serde(default)]
+    pub relmse_16x16: Option<f64>,
 }
 
 impl Stats {
@@ -129,10 +135,11 @@ impl Stats {
     pub fn error_sentence(&self) -> Option<String> {
         let error = self.errors.last()?;
         Some(format!(
-            "against the reference: RMSE {}, relMSE {} ({} trimmed)",
+            "against the reference: RMSE {}, relMSE {} ({} trimmed; of 4x4, 16x16 blocks {})",
             number(error.rmse),
             number(error.relmse),
-            number(error.relmse_trimmed)
+            number(error.relmse_trimmed),
+            words::errors_of_blocks([error.relmse_4x4, error.relmse_16x16])
         ))
     }
 }

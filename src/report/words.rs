@@ -9,6 +9,12 @@ pub fn count(number: f64) -> String {
     scaled(number, 1000.0, &UNITS)
 }
 
+/// Errors of the means over blocks, from small to large ones; `-` where there are no such blocks.
+pub fn errors_of_blocks(errors: [Option<f64>; 2]) -> String {
+    let one = |e: Option<f64>| e.map_or("-".into(), super::table::number);
+    errors.map(one).join(", ")
+}
+
 /// An amount of memory: `512 B`, `1.50 GiB`.
 pub fn bytes(number: u64) -> String {
     scaled(

@@ -34,6 +34,8 @@ fn the_numbers_are_those_of_other_programs() {
             ("rmse", "rmse"),
             ("relmse", "relmse"),
             ("relmse_trimmed", "relmse_trimmed"),
+            ("relmse_4x4", "relmse_4x4"),
+            ("relmse_16x16", "relmse_16x16"),
             ("ssim", "ssim"),
             ("psnr", "psnr"),
             ("flip", "flip_hdr"),

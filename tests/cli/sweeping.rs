@@ -37,7 +37,7 @@ fn errors_over_time_end_with_what_compare_says() {
     }
     let last = points.last().unwrap();
     assert_eq!(last["rays"], stats["rays"]);
-    for key in ["rmse", "relmse", "relmse_trimmed"] {
+    for key in ["rmse", "relmse", "relmse_trimmed", "relmse_4x4"] {
         let (a, b) = (&last[key], &compared["images"][0][key]);
         let ratio = a.as_f64().unwrap() / b.as_f64().unwrap();
         assert!((ratio - 1.0).abs() < 1e-6, "{key}: {a} {b}");

@@ -110,6 +110,7 @@ fn measure(path: &Path, pair: &Pair, args: &CompareArgs, kind: &str) -> (ImageEr
         flip::hdr(pair)
     };
     let plain = errors::Errors::of(pair);
+    let [relmse_4x4, relmse_16x16] = plain.rel_mse_of_blocks;
     let errors = ImageErrors {
         image: path.display().to_string(),
         l1: plain.l1,
@@ -117,6 +118,8 @@ fn measure(path: &Path, pair: &Pair, args: &CompareArgs, kind: &str) -> (ImageEr
         rmse: plain.rmse(),
         relmse: plain.rel_mse,
         relmse_trimmed: plain.rel_mse_trimmed,
+        relmse_4x4,
+        relmse_16x16,
         ssim: ssim::ssim(subject, range),
         psnr: errors::psnr(subject, range),
         flip: flip::mean(&map),

@@ -105,6 +105,24 @@ impl<'i> Blocks<'i> {
     }
 }
 
+impl Pair {
+    /// The pair of the means over whole blocks of `side` pixels: what is left of an error at a
+    /// coarser scale. `None` where there is no whole block.
+    pub fn blocks(&self, side: usize) -> Option<Self> {
+        let (across, down) = (self.width() / side, self.height() / side);
+        let means = |pixels| {
+            let means = Blocks::new(self.width(), pixels, side).means();
+            means.map(|m| Rgb::from(m.map(|x| x as f32))).collect()
+        };
+        (across * down > 0).then(|| Self {
+            width: across,
+            image: means(&self.image),
+            reference: means(&self.reference),
+            ..*self
+        })
+    }
+}
+
 /// Standard deviation of z of the means over blocks of `side` pixels: 1 where the noise explains
 /// the differences. `None` where there is no whole block, or no variance.
 pub fn deviation(pair: &Pair, known: [&KnownNoise; 2], side: usize) -> Option<f64> {

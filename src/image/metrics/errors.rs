@@ -9,13 +9,19 @@
 //! One speck can outweigh the rest of an image in all of them, relMSE most of all: the trimmed
 //! relMSE leaves out the worst 0.1 % of the pixels. What was left out is what [`super::fireflies`]
 //! counts.
+//!
+//! The relMSE of the means over blocks of 4 x 4 and 16 x 16 pixels tells whether an error averages
+//! out: noise that pixels have independently falls to a 16th and a 256th, blotches stay.
 
 use super::Pair;
+use crate::math::Rgb;
 
 /// Keeps black pixels of the reference from counting for everything.
 const FLOOR: f64 = 0.01;
 /// One pixel in so many, the worst, is left out of the trimmed mean.
 const TRIM: usize = 1000;
+/// Sides of the blocks whose means are looked at, in pixels.
+pub const BLOCKS: [usize; 2] = [4, 16];
 
 /// The mean errors of an image.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +34,9 @@ pub struct Errors {
     pub rel_mse: f64,
     /// The same without the worst 0.1 % of the pixels.
     pub rel_mse_trimmed: f64,
+    /// The same of the means over blocks of as many pixels as [`BLOCKS`] says, all of them; `None`
+    /// where the image has no such block.
+    pub rel_mse_of_blocks: [Option<f64>; 2],
     /// Mean of the image over mean of the reference, for red, green and blue. NaN where both are
     /// black.
     pub mean_ratio_rgb: [f64; 3],
@@ -39,13 +48,8 @@ impl Errors {
     /// All of them.
     pub fn of(pair: &Pair) -> Self {
         let count = 3.0 * pair.image.len() as f64;
-        let mut relative: Vec<f64> = pair
-            .image
-            .iter()
-            .zip(&pair.reference)
-            .map(|(x, r)| (0..3).map(|c| relative_square(x[c], r[c])).sum::<f64>() / 3.0)
-            .collect();
-        let rel_mse = relative.iter().sum::<f64>() / relative.len() as f64;
+        let mut relative = relative_squares(pair);
+        let rel_mse = mean(&relative);
         relative.sort_unstable_by(f64::total_cmp);
         let kept = &relative[..relative.len() - relative.len() / TRIM];
         let (image, reference) = (sums(&pair.image), sums(&pair.reference));
@@ -53,7 +57,9 @@ impl Errors {
             l1: pair.numbers().map(|(x, r)| (x - r).abs()).sum::<f64>() / count,
             mse: mse(pair),
             rel_mse,
-            rel_mse_trimmed: kept.iter().sum::<f64>() / kept.len() as f64,
+            rel_mse_trimmed: mean(kept),
+            rel_mse_of_blocks: BLOCKS
+                .map(|side| Some(mean(&relative_squares(&pair.blocks(side)?)))),
             mean_ratio_rgb: [0, 1, 2].map(|c| image[c] / reference[c]),
             mean_ratio: image.iter().sum::<f64>() / reference.iter().sum::<f64>(),
         }
@@ -77,13 +83,24 @@ pub fn psnr(pair: &Pair, data_range: f64) -> f64 {
     10.0 * (data_range * data_range / mse(pair)).log10()
 }
 
+/// Squared differences relative to the reference, a number for each pixel.
+fn relative_squares(pair: &Pair) -> Vec<f64> {
+    let pixels = pair.image.iter().zip(&pair.reference);
+    let of = |(x, r): (&Rgb, &Rgb)| (0..3).map(|c| relative_square(x[c], r[c])).sum::<f64>() / 3.0;
+    pixels.map(of).collect()
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
 fn relative_square(x: f32, r: f32) -> f64 {
     let (x, r) = (f64::from(x), f64::from(r));
     (x - r) * (x - r) / (r * r + FLOOR)
 }
 
-fn sums(pixels: &[crate::math::Rgb]) -> [f64; 3] {
-    let add = |sum: [f64; 3], p: &crate::math::Rgb| {
+fn sums(pixels: &[Rgb]) -> [f64; 3] {
+    let add = |sum: [f64; 3], p: &Rgb| {
         let p = p.to_array().map(f64::from);
         [sum[0] + p[0], sum[1] + p[1], sum[2] + p[2]]
     };

@@ -39,12 +39,15 @@ fn agree(name: &str, ours: f64, theirs: &serde_json::Value) {
 fn plain_errors_agree_with_numpy() {
     for (pair, theirs) in vectors() {
         let ours = Errors::of(&pair);
+        let [blocks_4, blocks_16] = ours.rel_mse_of_blocks.map(Option::unwrap);
         for (name, value) in [
             ("l1", ours.l1),
             ("mse", ours.mse),
             ("rmse", ours.rmse()),
             ("relmse", ours.rel_mse),
             ("relmse_trimmed", ours.rel_mse_trimmed),
+            ("relmse_4x4", blocks_4),
+            ("relmse_16x16", blocks_16),
             ("mean_ratio", ours.mean_ratio),
         ] {
             agree(name, value, &theirs[name]);

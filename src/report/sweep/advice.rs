@@ -6,7 +6,7 @@
 //! plan is recommended: plans begin with what is simple.
 
 use super::Sweep;
-use super::curve::Curve;
+use super::curve::{Curve, Scale};
 use super::finding::Finding;
 use serde::Serialize;
 
@@ -63,8 +63,10 @@ fn choose(sweep: &Sweep, findings: &[Finding], goal: f64) -> Option<(String, f64
     let times: Vec<_> = times.collect();
     let best = times.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
     let runs = sweep.runs_of(&best.0.name);
-    let runs =
-        runs.filter_map(|(_, stats)| Some(Curve::of(stats, sweep.setting.clock).time_to(goal)?.0));
+    let runs = runs.filter_map(|(_, stats)| {
+        let curve = Curve::of(stats, sweep.setting.clock, Scale::Pixels);
+        Some(curve.time_to(goal)?.0)
+    });
     let slowest = runs.fold(EQUAL * best.1, f64::max);
     let chosen = times.iter().find(|t| t.1 <= slowest)?;
     Some((chosen.0.name.clone(), chosen.1, chosen.2))

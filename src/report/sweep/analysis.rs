@@ -4,7 +4,7 @@
 
 use super::Sweep;
 use super::advice::{self, Advice};
-use super::curve::Curve;
+use super::curve::{Curve, Scale};
 use super::finding::{Finding, finding};
 use serde::Serialize;
 
@@ -38,9 +38,10 @@ impl Findings {
     /// Concludes.
     pub fn of(sweep: &Sweep) -> Self {
         let all = sweep.runs.iter().filter_map(|r| r.stats.as_ref());
-        let ends = all
-            .clone()
-            .filter_map(|s| Some(Curve::of(s, sweep.setting.clock).end()?[0]));
+        let ends = all.clone().filter_map(|s| {
+            let curve = Curve::of(s, sweep.setting.clock, Scale::Pixels);
+            Some(curve.end()?[0])
+        });
         let seconds = ends.fold(f64::INFINITY, f64::min);
         let configurations: Vec<Finding> = sweep
             .setting

@@ -2,10 +2,44 @@
 //!
 //! Between two points an error falls along a power of the time: a straight line on log axes.
 
-use super::{Clock, RunStats};
+use super::{Clock, ErrorPoint, RunStats};
 use serde::Serialize;
 
-/// The error over time: seconds and relMSE without the worst 0.1 % of the pixels, times growing.
+/// What the error is measured on: noise that averages out within a few pixels is told from
+/// blotches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub enum Scale {
+    /// Pixels: relMSE without the worst 0.1 % of them.
+    Pixels,
+    /// relMSE of the means over blocks of 4 x 4 pixels.
+    Blocks4,
+    /// relMSE of the means over blocks of 16 x 16 pixels.
+    Blocks16,
+}
+
+impl Scale {
+    /// All of them, the finest first.
+    pub const ALL: [Self; 3] = [Self::Pixels, Self::Blocks4, Self::Blocks16];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Pixels => "pixels",
+            Self::Blocks4 => "4x4 blocks",
+            Self::Blocks16 => "16x16 blocks",
+        }
+    }
+
+    fn error(self, point: &ErrorPoint) -> Option<f64> {
+        match self {
+            Self::Pixels => Some(point.relmse_trimmed),
+            Self::Blocks4 => point.relmse_4x4,
+            Self::Blocks16 => point.relmse_16x16,
+        }
+    }
+}
+
+/// The error over time: seconds and relMSE at one scale, times growing.
 ///
 /// Seconds count what a configuration can change: building the ray tracer, learning, rendering; not
 /// reading the scene.
@@ -17,15 +51,15 @@ const DENSITY: f64 = 16.0;
 
 impl Curve {
     /// Of one run. Points without time or error, which log axes have no place for, are left out.
-    pub fn of(stats: &RunStats, clock: Clock) -> Self {
+    pub fn of(stats: &RunStats, clock: Clock, scale: Scale) -> Self {
         let points = stats.errors.iter();
         let threads = stats.threads.max(1) as f64;
-        let points = points.map(|p| {
+        let points = points.filter_map(|p| {
             let seconds = match (clock, p.cpu_seconds) {
                 (Clock::Processors, Some(spent)) => spent / threads,
                 _ => p.seconds,
             };
-            [stats.build_seconds + seconds, p.relmse_trimmed]
+            Some([stats.build_seconds + seconds, scale.error(p)?])
         });
         let mut curve = Self::default();
         for [seconds, error] in points {

@@ -7,7 +7,7 @@
 //! agree about it.
 
 use super::Sweep;
-use super::curve::{Curve, median};
+use super::curve::{Curve, Scale, median};
 use serde::Serialize;
 
 /// Speeds nearer to each other than this are called equal, whatever the rounds say.
@@ -34,6 +34,8 @@ pub struct Finding {
     /// How much faster it gets to the same error than the first configuration; 1 for that one
     /// itself.
     pub speed: Option<Speed>,
+    /// The same of the means over blocks, without scales that the images are too small for.
+    pub blocks: Vec<OfBlocks>,
     /// Samples a pixel at the end.
     pub spp: f64,
     /// Bytes at the most.
@@ -46,6 +48,17 @@ pub struct Finding {
     pub build_seconds: f64,
     /// Part of the rendering that learning took.
     pub train_share: f64,
+}
+
+/// What a configuration came to at a coarser scale.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct OfBlocks {
+    /// Which one.
+    pub scale: Scale,
+    /// Error over time.
+    pub curve: Curve,
+    /// See [`Finding::speed`].
+    pub speed: Option<Speed>,
 }
 
 /// A ratio of speeds.
@@ -65,10 +78,16 @@ pub struct Speed {
 /// measurements.
 pub(super) fn finding(sweep: &Sweep, name: &str, seconds: f64) -> Option<Finding> {
     let runs: Vec<_> = sweep.runs_of(name).collect();
-    let curves: Vec<Curve> = runs
-        .iter()
-        .map(|(_, s)| Curve::of(s, sweep.setting.clock))
-        .collect();
+    let curves_at = |scale| -> Vec<Curve> {
+        let curve = |stats| Curve::of(stats, sweep.setting.clock, scale);
+        runs.iter().map(|(_, stats)| curve(stats)).collect()
+    };
+    let blocks = [Scale::Blocks4, Scale::Blocks16].map(|scale| OfBlocks {
+        scale,
+        curve: Curve::median(&curves_at(scale)),
+        speed: speed(sweep, name, seconds, scale),
+    });
+    let curves = curves_at(Scale::Pixels);
     let errors: Vec<f64> = curves.iter().filter_map(|c| c.expected(seconds)).collect();
     let middle = |of: &dyn Fn(&super::RunStats) -> f64| {
         let mut values: Vec<f64> = runs.iter().map(|(_, s)| of(s)).collect();
@@ -87,7 +106,11 @@ pub(super) fn finding(sweep: &Sweep, name: &str, seconds: f64) -> Option<Finding
             errors.iter().copied().fold(0.0, f64::max),
         ],
         relmse: middle(&|s| s.errors.last().map_or(0.0, |e| e.relmse)),
-        speed: speed(sweep, name, seconds),
+        speed: speed(sweep, name, seconds, Scale::Pixels),
+        blocks: blocks
+            .into_iter()
+            .filter(|b| b.curve.end().is_some())
+            .collect(),
         spp: middle(&|s| s.spp as f64),
         peak_memory_bytes: peaks.then(|| middle(&|s| s.peak_memory_bytes.unwrap_or(0) as f64)),
         field_memory_bytes: middle(&|s| s.field_memory_bytes as f64),
@@ -99,12 +122,12 @@ pub(super) fn finding(sweep: &Sweep, name: &str, seconds: f64) -> Option<Finding
 }
 
 /// Compares the runs of a configuration with the first one's of the same rounds.
-fn speed(sweep: &Sweep, name: &str, seconds: f64) -> Option<Speed> {
+fn speed(sweep: &Sweep, name: &str, seconds: f64, scale: Scale) -> Option<Speed> {
     let first = &sweep.setting.configurations.first()?.name;
     let curve_of = |name: &str, round: u32| {
         let mut runs = sweep.runs_of(name);
         let (_, stats) = runs.find(|(run, _)| run.round == round)?;
-        let curve = Curve::of(stats, sweep.setting.clock);
+        let curve = Curve::of(stats, sweep.setting.clock, scale);
         Some((curve.0.first()?[0], curve))
     };
     let ratio = |round: u32| {

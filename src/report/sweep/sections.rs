@@ -2,6 +2,7 @@
 
 use super::Sweep;
 use super::analysis::{Findings, FrontPoint};
+use super::curve::Scale;
 use super::finding::{Finding, Speed};
 use super::html::{escape, table};
 use super::plot::{BASE, FAINT, LINES, Line, log_log};
@@ -19,6 +20,44 @@ fn drawing(name: &str, lines: &[Line]) -> String {
         format!("<div class=\"plot {class}\">{svg}</div>\n")
     };
     SIZES.map(draw).concat()
+}
+
+/// Size of a drawing of a coarser scale: two fit beside each other.
+const SMALL: (u32, u32) = (350, 240);
+
+/// The same lines at the coarser scales, side by side; nothing where the images are too small.
+fn drawings_of_blocks(name: &str, base: Option<&Finding>, own: &[&Finding]) -> String {
+    let draw = |scale: Scale| {
+        let curve = |f: &Finding| {
+            let of = f.blocks.iter().find(|b| b.scale == scale)?;
+            Some(of.curve.0.clone())
+        };
+        let mut curves: Vec<_> = base
+            .and_then(curve)
+            .map(|c| (c, BASE))
+            .into_iter()
+            .collect();
+        let others = own.iter().enumerate();
+        curves.extend(others.filter_map(|(i, f)| Some((curve(f)?, color(i)))));
+        let lines: Vec<Line> = curves.iter().map(|(c, color)| line(c, *color, 2)).collect();
+        let what = scale.name();
+        let svg = log_log(
+            SMALL,
+            &format!("Error of {what} over time by {name}"),
+            &lines,
+        )?;
+        Some(format!(
+            "<figure class=\"plot\">{svg}<figcaption>{what}</figcaption></figure>\n"
+        ))
+    };
+    let drawings = [Scale::Blocks4, Scale::Blocks16]
+        .into_iter()
+        .filter_map(draw);
+    let drawings: String = drawings.collect();
+    match drawings.is_empty() {
+        true => drawings,
+        false => format!("<div class=\"scales\">{drawings}</div>\n"),
+    }
 }
 
 /// An entry of a legend; its text is HTML.
@@ -156,7 +195,8 @@ fn knob(name: &str, base: Option<&Finding>, own: &[&Finding]) -> String {
             &format!("<b>{}</b>: {said}", escape(&finding.name)),
         );
     }
-    let drawing = drawing(&format!("Error over time by {name}"), &lines);
+    let drawing = drawing(&format!("Error over time by {name}"), &lines)
+        + &drawings_of_blocks(name, base, own);
     format!(
         "<article><h3>{}</h3><p>{}</p>{drawing}<ul class=\"legend\">{entries}</ul></article>\n",
         escape(name),
@@ -216,6 +256,13 @@ fn bar(share: f64, text: &str) -> String {
     format!("<span class=\"bar\" style=\"--share:{percent:.1}%\">{text}</span>")
 }
 
+/// How fast in a cell of the table.
+fn ratio(speed: Option<Speed>) -> String {
+    speed.map_or("-".into(), |s| {
+        format!("{:.2}{}", s.median, if s.clear { "" } else { " ?" })
+    })
+}
+
 /// A row a configuration, the best first.
 pub fn everything(findings: &Findings) -> String {
     let mut list: Vec<&Finding> = findings.configurations.iter().collect();
@@ -226,6 +273,10 @@ pub fn everything(findings: &Findings) -> String {
         largest(&|f| f.peak_memory_bytes.unwrap_or(0.0)),
         largest(&|f| f.field_memory_bytes),
     );
+    let blocks = |f: &Finding, scale| {
+        let of = f.blocks.iter().find(|b| b.scale == scale);
+        ratio(of.and_then(|b| b.speed))
+    };
     let row = |f: &&Finding| {
         let peak_text = f
             .peak_memory_bytes
@@ -239,9 +290,9 @@ pub fn everything(findings: &Findings) -> String {
                 number(f.error_range[1])
             ),
             number(f.relmse),
-            f.speed.map_or("-".into(), |s| {
-                format!("{:.2}{}", s.median, if s.clear { "" } else { " ?" })
-            }),
+            ratio(f.speed),
+            blocks(f, Scale::Blocks4),
+            blocks(f, Scale::Blocks16),
             format!("{:.0}", f.spp),
             bar(f.train_share, &format!("{:.0} %", 100.0 * f.train_share)),
             words::time(f.build_seconds),
@@ -264,6 +315,8 @@ pub fn everything(findings: &Findings) -> String {
         "of its runs",
         "relMSE",
         "speed",
+        "4x4",
+        "16x16",
         "spp",
         "learning",
         "build",
@@ -274,8 +327,8 @@ pub fn everything(findings: &Findings) -> String {
     ];
     format!(
         "<p>Errors after {}, the time that all runs have reached; <i>relMSE</i>, <i>spp</i> and memory at the \
-         end. <i>Speed</i> is against the first configuration of the plan; a question mark says that the runs \
-         do not agree on it.</p>{}",
+         end. <i>Speed</i> is against the first configuration of the plan, by the errors of pixels and of means \
+         over blocks; a question mark says that the runs do not agree on it.</p>{}",
         words::time(findings.seconds),
         table("all configurations", &head, &rows)
     )

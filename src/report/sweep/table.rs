@@ -3,7 +3,7 @@
 use super::{Run, Sweep};
 
 /// Heads of the columns.
-const HEAD: [&str; 17] = [
+const HEAD: [&str; 19] = [
     "configuration",
     "round",
     "failure",
@@ -17,6 +17,8 @@ const HEAD: [&str; 17] = [
     "rmse",
     "relmse",
     "relmse_trimmed",
+    "relmse_4x4",
+    "relmse_16x16",
     "peak_memory_bytes",
     "field_memory_bytes",
     "accel_memory_bytes",
@@ -37,7 +39,7 @@ impl Sweep {
     }
 }
 
-fn row(run: &Run) -> [String; 17] {
+fn row(run: &Run) -> [String; 19] {
     let stats = run.stats.as_ref();
     let number = |of: &dyn Fn(&super::RunStats) -> Option<f64>| {
         stats.and_then(of).map_or(String::new(), |x| x.to_string())
@@ -57,6 +59,8 @@ fn row(run: &Run) -> [String; 17] {
         error(&|e| e.rmse),
         error(&|e| e.relmse),
         error(&|e| e.relmse_trimmed),
+        number(&|s| s.errors.last()?.relmse_4x4),
+        number(&|s| s.errors.last()?.relmse_16x16),
         number(&|s| Some(s.peak_memory_bytes? as f64)),
         number(&|s| Some(s.field_memory_bytes as f64)),
         number(&|s| Some(s.accel_memory_bytes as f64)),

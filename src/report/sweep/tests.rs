@@ -1,7 +1,7 @@
 //! Sweeps whose curves are known.
 
 use super::analysis::Findings;
-use super::curve::Curve;
+use super::curve::{Curve, Scale};
 use super::*;
 
 /// Runs with an error of `scale` / seconds.
@@ -16,6 +16,8 @@ fn stats(scale: f64, build: f64) -> RunStats {
             rmse: 0.0,
             relmse: 2.0 * scale / (seconds + build),
             relmse_trimmed: scale / (seconds + build),
+            relmse_4x4: Some(scale / 16.0 / (seconds + build)),
+            relmse_16x16: None,
         }
     };
     RunStats {
@@ -83,8 +85,28 @@ fn sweep(list: &[(&str, &[Option<f64>])]) -> Sweep {
 }
 
 #[test]
+fn errors_of_blocks_are_findings_of_their_own() {
+    let mut sweep = sweep(&[("a", &[Some(1.0)]), ("b", &[Some(0.5)])]);
+    // Pixels say that b is twice as fast, blocks that it is as fast as a.
+    for run in &mut sweep.runs {
+        let stats = run.stats.as_mut().unwrap();
+        for error in &mut stats.errors {
+            error.relmse_4x4 = Some(0.1 / error.seconds);
+        }
+    }
+    let findings = Findings::of(&sweep);
+    let b = findings.get("b").unwrap();
+    assert!((b.speed.unwrap().median - 2.0).abs() < 1e-9);
+    assert_eq!(b.blocks.len(), 1, "there are no blocks of 16 x 16");
+    assert_eq!(b.blocks[0].scale, Scale::Blocks4);
+    assert!((b.blocks[0].speed.unwrap().median - 1.0).abs() < 1e-9);
+    let sections = super::sections::knobs(&sweep, &findings);
+    assert!(sections.contains("4x4 blocks") && !sections.contains("16x16 blocks"));
+}
+
+#[test]
 fn curves_are_straight_between_points_on_log_axes() {
-    let curve = Curve::of(&stats(1.0, 0.0), Clock::Wall);
+    let curve = Curve::of(&stats(1.0, 0.0), Clock::Wall, Scale::Pixels);
     for t in [0.1, 0.137, 1.0, 6.0, 6.4] {
         assert!((curve.at(t).unwrap() * t - 1.0).abs() < 1e-9, "{t}");
     }
@@ -105,12 +127,12 @@ fn the_time_to_an_error_is_that_after_which_it_stays_below() {
 
 #[test]
 fn building_counts_and_reading_does_not() {
-    let curve = Curve::of(&stats(1.0, 2.0), Clock::Wall);
+    let curve = Curve::of(&stats(1.0, 2.0), Clock::Wall, Scale::Pixels);
     assert_eq!(curve.0[0], [2.1, 1.0 / 2.1]);
     // Two threads, and twice the processor time in the points.
     let mut busy = stats(1.0, 0.0);
     busy.threads = 4;
-    let curve = Curve::of(&busy, Clock::Processors);
+    let curve = Curve::of(&busy, Clock::Processors, Scale::Pixels);
     assert!((curve.0[0][0] - 0.05).abs() < 1e-12);
 }
 
@@ -199,7 +221,7 @@ fn reports_are_read_back_as_they_were_and_tables_keep_commas() {
         .map(Result::unwrap)
         .collect();
     assert_eq!(rows.len(), 2);
-    assert_eq!(&rows[0][16], "twintree render s.xml --base, 'x'");
+    assert_eq!(&rows[0][18], "twintree render s.xml --base, 'x'");
     assert_eq!(&rows[1][2], "signal: 11, \"core\"");
 }
 

@@ -73,6 +73,16 @@ def flip(reference, image, kind):
     return error[..., 0] if error.ndim == 3 else error, mean, used
 
 
+def blocks(image, side):
+    """Means over whole blocks."""
+    height, width = (n // side * side for n in image.shape[:2])
+    return image[:height, :width].reshape(height // side, side, width // side, side, 3).mean((1, 3))
+
+
+def relmse(reference, image):
+    return ((image - reference) ** 2 / (reference**2 + 0.01)).mean()
+
+
 def numbers(reference, image):
     difference = image - reference
     relative = difference**2 / (reference**2 + 0.01)
@@ -89,6 +99,8 @@ def numbers(reference, image):
         "rmse": (difference**2).mean() ** 0.5,
         "relmse": relative.mean(),
         "relmse_trimmed": kept.mean(),
+        "relmse_4x4": relmse(blocks(reference, 4), blocks(image, 4)),
+        "relmse_16x16": relmse(blocks(reference, 16), blocks(image, 16)),
         "mean_ratio": image.mean() / reference.mean(),
         "ssim": structural_similarity(*shown, data_range=1.0, **similar),
         "ssim_linear_60": structural_similarity(reference, image, data_range=60.0, **similar),
