@@ -291,8 +291,9 @@ fn the_page_shows_everything_in_a_browser() {
         assert_eq!(frame["missing"], 0, "{frame}");
         // Reference, slider, and each configuration's image and errors.
         assert!(frame["images"].as_u64() >= Some(7), "{frame}");
-        // The overview and a drawing a knob: robust, sampler, combinations.
-        assert_eq!(frame["plots"], 4, "{frame}");
+        // The overview and, by pixels and blocks of two sizes, a drawing a knob: robust, sampler,
+        // combinations.
+        assert_eq!(frame["plots"], 1 + 3 * 3, "{frame}");
         assert_eq!(frame["unlabelled"], 0, "{frame}");
         assert_eq!(frame["split"], "20%", "the slider moves");
         assert_eq!(frame["chosen"], true, "an image is chosen");
