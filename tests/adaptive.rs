@@ -4,7 +4,7 @@ mod support;
 
 use support::{Built, SceneMaker, Silent, Spread, film_mean, grey, how, inside_of_cube, spreads};
 use twintree::accel::{AnalyticKind, Backend};
-use twintree::bsdf::Material;
+use twintree::bsdf::material::Dielectric;
 use twintree::film::Film;
 use twintree::integrate::PathSettings;
 use twintree::integrate::progress::{Limits, Spent};
@@ -19,7 +19,7 @@ fn room() -> Built {
     let mut maker = SceneMaker::new(eye, Vec3::new(0.0, -0.2, 1.0), 70.0, 32);
     let wall = maker.diffuse(0.6);
     maker.shape(inside_of_cube(1.0), wall, None, false);
-    let glass = maker.material(Material::Dielectric {
+    let glass = maker.material(Dielectric {
         eta: 1.5,
         specular_reflectance: grey(1.0),
         specular_transmittance: grey(1.0),

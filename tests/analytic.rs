@@ -5,6 +5,7 @@ mod support;
 use support::{SceneMaker, grey, inside_of_cube, settings};
 use twintree::accel::{AnalyticKind, Backend};
 use twintree::bsdf::Material;
+use twintree::bsdf::material::{Conductor, Dielectric, Null, ThinDielectric};
 use twintree::light::Emitter;
 use twintree::math::{Affine3A, Rgb, Vec3};
 
@@ -92,22 +93,22 @@ fn convex_body_in_constant_light_shows_its_albedo() {
 fn white_furnace_hides_lossless_bodies() {
     for backend in backends() {
         let materials = [
-            Material::Dielectric {
+            Material::Dielectric(Dielectric {
                 eta: 1.5,
                 specular_reflectance: grey(1.0),
                 specular_transmittance: grey(1.0),
-            },
-            Material::ThinDielectric {
+            }),
+            Material::ThinDielectric(ThinDielectric {
                 eta: 1.5,
                 specular_reflectance: grey(1.0),
                 specular_transmittance: grey(1.0),
-            },
-            Material::Conductor {
+            }),
+            Material::Conductor(Conductor {
                 eta: grey(0.0),
                 k: grey(1.0),
                 specular_reflectance: grey(1.0),
-            },
-            Material::Null,
+            }),
+            Material::Null(Null),
         ];
         for material in materials {
             let name = format!("{material:?}");

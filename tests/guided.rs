@@ -4,8 +4,7 @@ mod support;
 
 use support::{Built, SceneMaker, film_mean, grey, how, inside_of_cube, settings};
 use twintree::accel::{AnalyticKind, Backend};
-use twintree::bsdf::Material;
-use twintree::bsdf::material::{Distribution, Roughness};
+use twintree::bsdf::material::{Dielectric, Distribution, Plastic, RoughConductor, Roughness};
 use twintree::film::Film;
 use twintree::guide::gmm::Mixtures;
 use twintree::guide::{Field, ModelKind};
@@ -28,7 +27,7 @@ fn room() -> Built {
     );
     let wall = maker.diffuse(0.6);
     maker.shape(inside_of_cube(1.0), wall, None, false);
-    let metal = maker.material(Material::RoughConductor {
+    let metal = maker.material(RoughConductor {
         eta: grey(0.2),
         k: grey(3.9),
         roughness: Roughness {
@@ -39,13 +38,13 @@ fn room() -> Built {
         specular_reflectance: grey(1.0),
     });
     maker.sphere(Vec3::new(-0.45, -0.7, 0.4), 0.3, metal, None, false);
-    let glass = maker.material(Material::Dielectric {
+    let glass = maker.material(Dielectric {
         eta: 1.5,
         specular_reflectance: grey(1.0),
         specular_transmittance: grey(1.0),
     });
     maker.sphere(Vec3::new(0.45, -0.7, 0.3), 0.3, glass, None, false);
-    let varnish = maker.material(Material::Plastic {
+    let varnish = maker.material(Plastic {
         eta: 1.5,
         diffuse_reflectance: grey(0.5),
         specular_reflectance: grey(1.0),
@@ -211,7 +210,7 @@ fn roulette_spares_what_the_field_aimed_through_glass() {
     let mut maker = SceneMaker::new(Vec3::new(0.0, 0.0, -0.9), Vec3::Z, 70.0, 16);
     let wall = maker.diffuse(0.5);
     maker.shape(inside_of_cube(1.0), wall, None, false);
-    let glass = maker.material(Material::Dielectric {
+    let glass = maker.material(Dielectric {
         eta: 1.5,
         specular_reflectance: grey(1.0),
         specular_transmittance: grey(1.0),

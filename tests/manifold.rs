@@ -4,7 +4,7 @@ mod support;
 
 use support::{Built, SceneMaker, film_mean, grey, how};
 use twintree::accel::{AnalyticKind, Backend};
-use twintree::bsdf::Material;
+use twintree::bsdf::material::{Conductor, Dielectric, Plastic};
 use twintree::film::Film;
 use twintree::guide::ModelKind;
 use twintree::integrate::PathSettings;
@@ -76,19 +76,19 @@ fn lit_balls(aside: f32, light: impl FnOnce(&mut SceneMaker)) -> Built {
         * Affine3A::from_scale(Vec3::splat(3.0));
     let ground = maker.exact(AnalyticKind::Rectangle, up);
     maker.shape(ground, floor, None, false);
-    let glass = maker.material(Material::Dielectric {
+    let glass = maker.material(Dielectric {
         eta: 1.5,
         specular_reflectance: grey(1.0),
         specular_transmittance: grey(1.0),
     });
     maker.sphere(Vec3::new(-0.4 + aside, 0.45, 0.1), 0.35, glass, None, false);
-    let metal = maker.material(Material::Conductor {
+    let metal = maker.material(Conductor {
         eta: grey(0.2),
         k: grey(3.9),
         specular_reflectance: grey(1.0),
     });
     maker.sphere(Vec3::new(0.4 + aside, 0.5, 0.3), 0.3, metal, None, false);
-    let varnish = maker.material(Material::Plastic {
+    let varnish = maker.material(Plastic {
         eta: 1.5,
         diffuse_reflectance: grey(0.5),
         specular_reflectance: grey(1.0),

@@ -6,7 +6,9 @@ use std::sync::Arc;
 use support::{Built, SceneMaker, Silent, grey, how, inside_of_cube, settings, spreads};
 use twintree::accel::{AnalyticKind, Backend, TriangleMesh};
 use twintree::bsdf::Material;
-use twintree::bsdf::material::{Distribution, Roughness};
+use twintree::bsdf::material::{
+    Dielectric, Diffuse, Distribution, Plastic, RoughPlastic, Roughness,
+};
 use twintree::film::Film;
 use twintree::guide::ModelKind;
 use twintree::integrate::PathSettings;
@@ -29,7 +31,7 @@ fn room() -> Built {
     let mut maker = SceneMaker::new(eye, Vec3::new(0.0, -0.2, 1.0), 70.0, 16);
     let wall = maker.diffuse(0.6);
     maker.shape(inside_of_cube(1.0), wall, None, false);
-    let red = maker.material(Material::Diffuse {
+    let red = maker.material(Diffuse {
         reflectance: Texture::Constant(Rgb::new(0.8, 0.0, 0.0)),
     });
     let left = Affine3A::from_translation(Vec3::new(0.98, 0.0, 0.0))
@@ -53,13 +55,13 @@ fn room() -> Built {
         None,
         false,
     );
-    let glass = maker.material(Material::Dielectric {
+    let glass = maker.material(Dielectric {
         eta: 1.5,
         specular_reflectance: grey(1.0),
         specular_transmittance: grey(1.0),
     });
     maker.sphere(Vec3::new(0.6, -0.7, 0.4), 0.25, glass, None, false);
-    let varnish = maker.material(Material::Plastic {
+    let varnish = maker.material(Plastic {
         eta: 1.5,
         diffuse_reflectance: grey(0.5),
         specular_reflectance: grey(1.0),
@@ -67,7 +69,7 @@ fn room() -> Built {
     });
     maker.sphere(Vec3::new(-0.6, -0.75, 0.1), 0.25, varnish, None, false);
     // The right wall: seen in it, its coat and its base go different ways.
-    let lacquer = maker.material(Material::RoughPlastic {
+    let lacquer = maker.material(RoughPlastic {
         eta: 1.5,
         roughness: Roughness {
             distribution: Distribution::Ggx,

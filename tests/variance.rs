@@ -10,7 +10,7 @@ mod support;
 use rayon::prelude::*;
 use support::{Built, SceneMaker, Silent, grey, how, inside_of_cube};
 use twintree::accel::{AnalyticKind, Backend};
-use twintree::bsdf::Material;
+use twintree::bsdf::material::Plastic;
 use twintree::film::Film;
 use twintree::film::layers::{Layers, Metadata};
 use twintree::image::metrics::blocks::KnownNoise;
@@ -31,7 +31,7 @@ fn room(lamp: f32) -> Built {
     let mut maker = SceneMaker::new(Vec3::new(0.0, 0.0, -0.9), Vec3::Z, 70.0, SIZE);
     let wall = maker.diffuse(0.6);
     maker.shape(inside_of_cube(1.0), wall, None, false);
-    let plastic = maker.material(Material::Plastic {
+    let plastic = maker.material(Plastic {
         eta: 1.5,
         diffuse_reflectance: grey(0.4),
         specular_reflectance: grey(1.0),

@@ -3,8 +3,8 @@
 //! Most vertices of most scenes are diffuse. They skip the tree of [`super::tree`]: nothing is
 //! built, and what is asked at a vertex is a handful of instructions.
 
-use super::lobes::diffuse::Diffuse;
-use super::lookup::MOST;
+use super::lobes::diffuse::DiffuseLobe;
+use super::model::MAX_COLOR;
 use super::tree::Tree;
 use super::{Material, MaterialId, Materials};
 use crate::math::{Frame, Rgb, Vec3};
@@ -17,23 +17,23 @@ use crate::texture::SurfacePoint;
 #[derive(Clone, Debug)]
 pub(super) enum Form {
     /// Diffuse reflection on the side of the frame's normal.
-    Diffuse(Diffuse),
+    Diffuse(DiffuseLobe),
     /// Anything else.
     Tree(Tree),
 }
 
 impl Materials {
-    /// Frame and model of material `id`, if it is diffuse as seen from `wo`.
+    /// Frame and lobe of material `id`, if it is diffuse as seen from `wo`.
     #[inline(always)]
     pub(super) fn resolve_plain(
         &self,
         id: MaterialId,
         point: &SurfacePoint,
         wo: Vec3,
-    ) -> Option<(Frame, Diffuse)> {
+    ) -> Option<(Frame, DiffuseLobe)> {
         let mut frame = point.frame;
-        let mut model = &self.list.get(id as usize)?.model;
-        if let Material::TwoSided { front, back } = model {
+        let mut material = &self.list.get(id as usize)?.material;
+        if let Material::TwoSided { front, back } = material {
             let behind = frame.n.dot(wo) < 0.0;
             let side = if behind { *back } else { *front };
             if side >= id {
@@ -48,12 +48,13 @@ impl Materials {
                     n: -frame.n,
                 };
             }
-            model = &self.list.get(side as usize)?.model;
+            material = &self.list.get(side as usize)?.material;
         }
-        let Material::Diffuse { reflectance } = model else {
+        let Material::Diffuse(diffuse) = material else {
             return None;
         };
-        let reflectance = reflectance.eval(point).min(Rgb::splat(MOST));
-        Some((frame, Diffuse { reflectance }))
+        let reflectance = diffuse.reflectance.eval(point);
+        let reflectance = reflectance.min(Rgb::splat(MAX_COLOR));
+        Some((frame, DiffuseLobe { reflectance }))
     }
 }

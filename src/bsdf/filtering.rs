@@ -7,8 +7,6 @@
 //! Such materials are read at the finest level everywhere, and the samples of a pixel average what
 //! they scatter.
 
-use super::materials::inner_materials;
-use super::needs::textures;
 use super::{Material, MaterialId, Materials};
 use crate::texture::Texture;
 
@@ -25,8 +23,8 @@ impl Materials {
             Material::Mask { opacity, .. } => opacity,
             _ => return false,
         };
-        let read = |m: &Material| textures(m).into_iter().any(varies);
-        varies(weight) && inner_materials(material).any(|id| self.any(id, &read))
+        let read = |m: &Material| m.textures().all().any(varies);
+        varies(weight) && material.inner().any(|id| self.any(id, &read))
     }
 }
 
@@ -34,58 +32,16 @@ fn varies(texture: &Texture) -> bool {
     texture.constant().is_none()
 }
 
-/// Whether a model's own light does not follow its textures linearly.
+/// Whether a material's own light does not follow its textures linearly.
 fn bends(material: &Material) -> bool {
-    let own = textures(material);
-    if own.iter().any(|t| !t.averages()) {
-        return true;
-    }
-    let any = |list: &[&Texture]| list.iter().any(|t| varies(t));
-    match material {
-        Material::BumpMap { displacement, .. } => varies(displacement),
-        Material::NormalMap { normals, .. } => varies(normals),
-        Material::RoughDielectric { roughness, .. } => {
-            any(&[&roughness.alpha_u, &roughness.alpha_v])
-        }
-        Material::Conductor { eta, k, .. } => any(&[eta, k]),
-        Material::RoughConductor {
-            eta, k, roughness, ..
-        } => any(&[eta, k, &roughness.alpha_u, &roughness.alpha_v]),
-        Material::Plastic {
-            diffuse_reflectance,
-            nonlinear,
-            ..
-        } => *nonlinear && varies(diffuse_reflectance),
-        Material::RoughPlastic {
-            roughness,
-            diffuse_reflectance,
-            nonlinear,
-            ..
-        } => varies(&roughness.alpha_u) || (*nonlinear && varies(diffuse_reflectance)),
-        Material::Phong { exponent, .. } => varies(exponent),
-        Material::Ward {
-            alpha_u, alpha_v, ..
-        } => any(&[alpha_u, alpha_v]),
-        Material::MetallicRoughness(m) => {
-            varies(&m.roughness) || (varies(&m.base_color) && varies(&m.metallic))
-        }
-        Material::Coating { sigma_a, .. } => varies(sigma_a),
-        Material::RoughCoating {
-            roughness, sigma_a, ..
-        } => any(&[&roughness.alpha_u, sigma_a]),
-        // Light between the facets of a rough base, tints and sheens.
-        Material::RoughDiffuse { .. } | Material::Principled(_) | Material::PrincipledThin(_) => {
-            any(&own)
-        }
-        _ => false,
-    }
+    let own = material.textures();
+    own.all().any(|t| !t.averages()) || own.nonlinear.into_iter().any(varies)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bsdf::material::Turning;
-    use crate::bsdf::material::white;
+    use crate::bsdf::material::{Diffuse, InvalidNormals, Null, Plastic, white};
     use crate::math::Rgb;
     use std::sync::Arc;
 
@@ -102,16 +58,16 @@ mod tests {
     }
 
     fn colored(reflectance: Texture) -> Material {
-        Material::Diffuse { reflectance }
+        Material::Diffuse(Diffuse { reflectance })
     }
 
     fn plastic(nonlinear: bool) -> Material {
-        Material::Plastic {
+        Material::Plastic(Plastic {
             eta: 1.5,
             diffuse_reflectance: image(),
             specular_reflectance: white(),
             nonlinear,
-        }
+        })
     }
 
     #[test]
@@ -126,7 +82,7 @@ mod tests {
         }));
         assert!(filters(|m| {
             let inner = m.push(colored(white()));
-            let second = m.push(Material::Null);
+            let second = m.push(Material::Null(Null));
             Material::Blend {
                 weight: image(),
                 first: inner,
@@ -140,14 +96,14 @@ mod tests {
         let under = |m: &mut Materials| m.push(colored(white()));
         assert!(!filters(|m| Material::NormalMap {
             normals: image(),
-            turning: Turning::default(),
+            invalid_normals: InvalidNormals::default(),
             inner: under(m),
         }));
         assert!(!filters(|m| {
             let bumped = Material::BumpMap {
                 displacement: image(),
                 scale: 1.0,
-                turning: Turning::default(),
+                invalid_normals: InvalidNormals::default(),
                 inner: under(m),
             };
             let id = m.push(bumped);

@@ -1,11 +1,9 @@
 //! All materials of a scene, with what is computed once for each.
 
 use super::MaterialId;
-use super::facet_albedo::facet_albedo;
-use super::fresnel::sane_eta;
-use super::material::{Material, Roughness};
-use super::transmittance::{RoughTransmittance, rough_transmittance};
-use crate::math::{Rgb, luminance};
+use super::material::Material;
+use super::transmittance::RoughTransmittance;
+use crate::math::Rgb;
 use crate::texture::{SurfacePoint, Texture};
 
 /// All materials of a scene.
@@ -17,46 +15,31 @@ pub struct Materials {
 /// A material and what never changes about it.
 #[derive(Debug)]
 pub(super) struct Prepared {
-    pub model: Material,
+    pub material: Material,
     /// Whether a mask is somewhere inside.
     masked: bool,
     /// Table of its rough coat, if it has one.
-    transmittance: Option<&'static RoughTransmittance>,
-}
-
-/// The table of a rough coat. A textured roughness shares the one of its mean.
-fn coat_table(roughness: &Roughness, eta: f32) -> &'static RoughTransmittance {
-    let alpha = &roughness.alpha_u;
-    let alpha = luminance(alpha.constant().unwrap_or_else(|| alpha.mean()));
-    rough_transmittance(roughness.distribution, alpha, sane_eta(eta))
+    pub coat_table: Option<&'static RoughTransmittance>,
 }
 
 impl Materials {
     /// Adds a material and returns its number. Inner materials must have been added before; one
     /// that was not absorbs all light.
-    pub fn push(&mut self, material: Material) -> MaterialId {
-        if matches!(material, Material::MetallicRoughness(_)) {
-            // Made now, not by the first path that meets it.
-            facet_albedo();
-        }
-        let transmittance = match &material {
-            Material::RoughPlastic { eta, roughness, .. }
-            | Material::RoughCoating { eta, roughness, .. } => Some(coat_table(roughness, *eta)),
-            _ => None,
-        };
+    pub fn push(&mut self, material: impl Into<Material>) -> MaterialId {
+        let material = material.into();
         let masked = matches!(material, Material::Mask { .. })
-            || inner_materials(&material).any(|id| self.is_masked(id));
+            || material.inner().any(|id| self.is_masked(id));
         self.list.push(Prepared {
-            model: material,
+            coat_table: material.prepare(),
             masked,
-            transmittance,
+            material,
         });
         (self.list.len() - 1) as MaterialId
     }
 
     /// The material `id`.
     pub fn get(&self, id: MaterialId) -> &Material {
-        &self.list[id as usize].model
+        &self.list[id as usize].material
     }
 
     /// How many there are.
@@ -86,7 +69,7 @@ impl Materials {
                 1.0
             }
         };
-        match &prepared.model {
+        match &prepared.material {
             Material::Mask { opacity, inner } => {
                 opacity.eval_scalar(point).clamp(0.0, 1.0) * of(*inner)
             }
@@ -98,7 +81,7 @@ impl Materials {
                 let w = weight.eval_scalar(point).clamp(0.0, 1.0);
                 (1.0 - w) * of(*first) + w * of(*second)
             }
-            model => inner_materials(model).next().map_or(1.0, of),
+            material => material.inner().next().map_or(1.0, of),
         }
     }
 
@@ -107,9 +90,9 @@ impl Materials {
         let Some(prepared) = self.list.get(id as usize).filter(|p| p.masked) else {
             return Texture::Constant(Rgb::ONE);
         };
-        let inner = inner_materials(&prepared.model).next().filter(|i| *i < id);
+        let inner = prepared.material.inner().next().filter(|i| *i < id);
         let inside = inner.map_or(Texture::Constant(Rgb::ONE), |i| self.opacity_texture(i));
-        match &prepared.model {
+        match &prepared.material {
             Material::Mask { opacity, .. } => opacity.clone().times(inside),
             _ => inside,
         }
@@ -119,26 +102,4 @@ impl Materials {
     pub fn is_masked(&self, id: MaterialId) -> bool {
         self.list.get(id as usize).is_some_and(|p| p.masked)
     }
-
-    /// The table of `id`'s rough coat.
-    pub(super) fn transmittance(&self, id: MaterialId) -> Option<&'static RoughTransmittance> {
-        self.list.get(id as usize)?.transmittance
-    }
-}
-
-/// The materials that a material names.
-pub(super) fn inner_materials(material: &Material) -> impl Iterator<Item = MaterialId> + '_ {
-    let (pair, parts): ([Option<MaterialId>; 2], &[(f32, MaterialId)]) = match material {
-        Material::TwoSided { front, back } => ([Some(*front), Some(*back)], &[]),
-        Material::Blend { first, second, .. } => ([Some(*first), Some(*second)], &[]),
-        Material::Mixture { parts } => ([None, None], parts),
-        Material::Mask { inner, .. }
-        | Material::BumpMap { inner, .. }
-        | Material::NormalMap { inner, .. }
-        | Material::Coating { inner, .. }
-        | Material::RoughCoating { inner, .. } => ([Some(*inner), None], &[]),
-        _ => ([None, None], &[]),
-    };
-    let parts = parts.iter().map(|p| p.1);
-    pair.into_iter().flatten().chain(parts)
 }

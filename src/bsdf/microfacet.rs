@@ -6,7 +6,6 @@
 //! floor, and never turned into a delta: `D` then peaks at 3e7, which f32 holds with ease, and a
 //! scene looks the same here as there. The furnace test runs from alpha = 1e-8 to 1.
 
-use super::material::Distribution;
 use crate::math::special::{erf, erf_inv};
 use crate::math::warp::concentric_disk;
 use crate::math::{Vec2, Vec3};
@@ -14,6 +13,16 @@ use std::f32::consts::{FRAC_2_SQRT_PI, PI, TAU};
 
 /// The smallest roughness that is evaluated.
 pub(super) const MIN_ALPHA: f32 = 1e-4;
+
+/// Shape of a microfacet distribution.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum Distribution {
+    /// Beckmann and Spizzichino.
+    #[default]
+    Beckmann,
+    /// GGX / Trowbridge-Reitz.
+    Ggx,
+}
 
 /// A distribution of facet normals in the local frame.
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,7 @@
 //! Materials and scattering.
 //!
 //! A [`Material`] is data: a tree of named models with textured parameters, as a scene file
-//! describes it. At a surface point it is *resolved* ([`Materials::resolve`]): textures are looked
+//! describes it; each model has a file in `lobes`. At a surface point it is *resolved* ([`Materials::resolve`]): textures are looked
 //! up once, bump and normal maps turn the frame, and out comes a [`Bsdf`] of plain numbers that is
 //! sampled, evaluated and asked for densities without touching a texture again.
 //!
@@ -78,11 +78,12 @@ mod filtering;
 mod fresnel;
 mod layer;
 mod lobes;
-mod lookup;
 pub mod material;
 mod materials;
 mod microfacet;
+mod model;
 mod needs;
+mod parameters;
 mod perturb;
 mod resolve;
 mod transmittance;

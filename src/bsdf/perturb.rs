@@ -7,15 +7,33 @@
 //! Terminator Problem" (Ray Tracing Gems, 2019). A scene can do without the first and the last.
 
 use super::lobes::{Lobe, weighted};
-use super::material::Turning;
 use super::{BsdfSample, Transport, normal_correction};
 use crate::math::{Frame, Rgb, Vec2, Vec3};
+
+/// What is done about normals that a map turns so far that light comes from behind them (Mitsuba
+/// 3's `flip_invalid_normals` and `use_shadowing_function`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct InvalidNormals {
+    /// A normal that faces away from the viewer is mirrored about the surface's own.
+    pub flip: bool,
+    /// Light at a slant to a turned normal is softened.
+    pub shadow: bool,
+}
+
+impl Default for InvalidNormals {
+    fn default() -> Self {
+        Self {
+            flip: true,
+            shadow: true,
+        }
+    }
+}
 
 /// A frame in the coordinates of the frame it turns.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Perturbation {
     frame: Frame,
-    shadows: bool,
+    shadow: bool,
 }
 
 /// Squared tangent of the angle to +z.
@@ -28,9 +46,9 @@ fn tan2(w: Vec3) -> f32 {
 impl Perturbation {
     /// The frame around the local normal `n` (any length; zero or not-a-number leaves the surface
     /// as it is) seen from the local direction `wo`.
-    pub fn new(n: Vec3, wo: Vec3, turning: Turning) -> Self {
+    pub fn new(n: Vec3, wo: Vec3, invalid: InvalidNormals) -> Self {
         let mut n = n;
-        if turning.mirrors && wo.z * wo.dot(n) <= 0.0 {
+        if invalid.flip && wo.z * wo.dot(n) <= 0.0 {
             n = Vec3::new(-n.x, -n.y, n.z);
         }
         let n = n.try_normalize().unwrap_or(Vec3::Z);
@@ -38,7 +56,7 @@ impl Perturbation {
         let t = n.cross(s);
         Self {
             frame: Frame { s, t, n },
-            shadows: turning.shadows,
+            shadow: invalid.shadow,
         }
     }
 
@@ -55,7 +73,7 @@ impl Perturbation {
             Transport::Importance => wo,
         };
         let alpha2 = (0.125 * tan2(self.frame.n)).min(1.0);
-        let shadow = match self.shadows {
+        let shadow = match self.shadow {
             true => 2.0 / (1.0 + (1.0 + alpha2 * tan2(light)).sqrt()),
             false => 1.0,
         };

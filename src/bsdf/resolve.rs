@@ -4,9 +4,9 @@
 use super::diffuse_only::Form;
 use super::fresnel::sane_eta;
 use super::layer::{Coating, Layer, RoughCoating};
-use super::lobes::diffuse::Diffuse;
-use super::lookup::Lookup;
-use super::material::Turning;
+use super::lobes::diffuse::DiffuseLobe;
+use super::material::{InvalidNormals, Leaf};
+use super::model::{Lookup, Model};
 use super::perturb::{Perturbation, bumped_normal};
 use super::tree::{Mix, Node, NodeId, Tree};
 use super::{Bsdf, LobeFlags, Material, MaterialId, Materials};
@@ -22,7 +22,7 @@ impl Materials {
             return Bsdf {
                 frame,
                 ng: point.ng,
-                flags: Diffuse::FLAGS,
+                flags: DiffuseLobe::FLAGS,
                 form: Form::Diffuse(diffuse),
             };
         }
@@ -41,11 +41,11 @@ impl Materials {
 
     /// Fills the tree of material `id` and tells what it does.
     fn grow(&self, id: MaterialId, point: &SurfacePoint, wo: Vec3, tree: &mut Tree) -> LobeFlags {
-        let lookup = Lookup {
+        let mut resolver = Resolver {
             materials: self,
             point,
+            tree,
         };
-        let mut resolver = Resolver { lookup, tree };
         resolver.add(id, &point.frame, point.frame.to_local(wo));
         tree.flags(tree.root())
     }
@@ -53,7 +53,8 @@ impl Materials {
 
 /// Resolving one material at one point into a tree.
 struct Resolver<'a> {
-    lookup: Lookup<'a>,
+    materials: &'a Materials,
+    point: &'a SurfacePoint<'a>,
     tree: &'a mut Tree,
 }
 
@@ -62,18 +63,21 @@ impl Resolver<'_> {
     /// to it, mirrored where a two-sided material is seen from its back.
     #[inline]
     fn add(&mut self, id: MaterialId, frame: &Frame, wo: Vec3) -> NodeId {
-        let Some(material) = self.lookup.materials.list.get(id as usize) else {
+        let Some(prepared) = self.materials.list.get(id as usize) else {
             return self.tree.push(Node::Black);
         };
+        let at = Lookup {
+            point: self.point,
+            prepared: prepared.coat_table,
+        };
         // The most common model goes straight to its place, past the copies of the general way.
-        if let Material::Diffuse { reflectance } = &material.model {
-            let reflectance = self.lookup.color(reflectance);
-            return self.tree.push(Node::Diffuse(Diffuse { reflectance }));
+        if let Material::Diffuse(diffuse) = &prepared.material {
+            return self.tree.push(Node::Leaf(Leaf::Diffuse(diffuse.lobe(&at))));
         }
-        if let Some(node) = self.lookup.leaf(id, &material.model) {
-            return self.tree.push(node);
+        if let Some(leaf) = prepared.material.leaf(&at) {
+            return self.tree.push(Node::Leaf(leaf));
         }
-        self.nest(id, &material.model, frame, wo)
+        self.nest(id, &prepared.material, &at, (frame, wo))
     }
 
     /// Adds a material named by `parent`. Only materials added before it are followed, so that no
@@ -85,8 +89,14 @@ impl Resolver<'_> {
         self.add(id, frame, wo)
     }
 
-    /// Nodes of a model around others.
-    fn nest(&mut self, id: MaterialId, material: &Material, frame: &Frame, wo: Vec3) -> NodeId {
+    /// Nodes of a material around others.
+    fn nest(
+        &mut self,
+        id: MaterialId,
+        material: &Material,
+        at: &Lookup,
+        (frame, wo): (&Frame, Vec3),
+    ) -> NodeId {
         match material {
             Material::Mask { inner, .. } => self.child(id, *inner, frame, wo),
             Material::TwoSided { front, .. } if wo.z >= 0.0 => self.child(id, *front, frame, wo),
@@ -98,26 +108,26 @@ impl Resolver<'_> {
             Material::BumpMap {
                 displacement,
                 scale,
-                turning,
+                invalid_normals,
                 inner,
             } => {
                 let n = self.bump(displacement, *scale, frame);
-                self.perturbed(id, *inner, (n, *turning), frame, wo)
+                self.perturbed(id, *inner, (n, *invalid_normals), frame, wo)
             }
             Material::NormalMap {
                 normals,
-                turning,
+                invalid_normals,
                 inner,
             } => {
-                let n = self.lookup.color(normals) * 2.0 - Vec3::ONE;
-                self.perturbed(id, *inner, (n, *turning), frame, wo)
+                let n = at.color(normals) * 2.0 - Vec3::ONE;
+                self.perturbed(id, *inner, (n, *invalid_normals), frame, wo)
             }
             Material::Blend {
                 weight,
                 first,
                 second,
             } => {
-                let w = self.lookup.scalar(weight).clamp(0.0, 1.0);
+                let w = at.scalar(weight).clamp(0.0, 1.0);
                 let first = self.child(id, *first, frame, wo);
                 let second = self.child(id, *second, frame, wo);
                 self.tree.push(Node::Mix(Mix {
@@ -128,7 +138,7 @@ impl Resolver<'_> {
                 }))
             }
             Material::Mixture { parts } => self.mixture(id, parts, frame, wo),
-            _ => self.coated(id, material, frame, wo),
+            _ => self.coated(id, material, at, (frame, wo)),
         }
     }
 
@@ -136,11 +146,11 @@ impl Resolver<'_> {
         &mut self,
         id: MaterialId,
         inner: MaterialId,
-        (n, turning): (Vec3, Turning),
+        (n, invalid): (Vec3, InvalidNormals),
         frame: &Frame,
         wo: Vec3,
     ) -> NodeId {
-        let p = Perturbation::new(n, wo, turning);
+        let p = Perturbation::new(n, wo, invalid);
         let local = p.frame();
         let turned = Frame {
             s: frame.to_world(local.s),
@@ -156,7 +166,7 @@ impl Resolver<'_> {
         if displacement.constant().is_some() {
             return Vec3::Z;
         }
-        let p = self.lookup.point;
+        let p = self.point;
         let gradient = match displacement.gradient(p) {
             Some([u, v]) => Vec2::new(luminance(u), luminance(v)),
             None => Vec2::new(
@@ -173,7 +183,7 @@ impl Resolver<'_> {
     fn slope(&self, texture: &Texture, along: Vec2, axis: Vec3) -> f32 {
         const STEP: f32 = 1e-4;
         let at = |step: f32| {
-            let mut moved = *self.lookup.point;
+            let mut moved = *self.point;
             moved.uv += along * step;
             moved.p += axis * step;
             texture.eval_scalar(&moved)
@@ -216,7 +226,13 @@ impl Resolver<'_> {
         }
     }
 
-    fn coated(&mut self, id: MaterialId, material: &Material, frame: &Frame, wo: Vec3) -> NodeId {
+    fn coated(
+        &mut self,
+        id: MaterialId,
+        material: &Material,
+        at: &Lookup,
+        (frame, wo): (&Frame, Vec3),
+    ) -> NodeId {
         match material {
             Material::Coating {
                 eta,
@@ -225,12 +241,8 @@ impl Resolver<'_> {
                 specular_reflectance,
                 inner,
             } => {
-                let absorption = self.lookup.color(sigma_a) * *thickness;
-                let layer = Layer::new(
-                    sane_eta(*eta),
-                    absorption,
-                    self.lookup.color(specular_reflectance),
-                );
+                let absorption = at.color(sigma_a) * *thickness;
+                let layer = Layer::new(sane_eta(*eta), absorption, at.color(specular_reflectance));
                 let inner = self.child(id, *inner, frame, layer.inside(wo));
                 self.tree.push(Node::Coating(Coating { layer }, inner))
             }
@@ -242,21 +254,14 @@ impl Resolver<'_> {
                 specular_reflectance,
                 inner,
             } => {
-                let Some(table) = self.lookup.materials.transmittance(id) else {
-                    return self.tree.push(Node::Black);
-                };
-                let absorption = self.lookup.color(sigma_a) * *thickness;
-                let layer = Layer::new(
-                    sane_eta(*eta),
-                    absorption,
-                    self.lookup.color(specular_reflectance),
-                );
-                let facets = self.lookup.coat(roughness);
+                let absorption = at.color(sigma_a) * *thickness;
+                let layer = Layer::new(sane_eta(*eta), absorption, at.color(specular_reflectance));
+                let facets = at.coat(roughness);
                 let inner = self.child(id, *inner, frame, layer.inside(wo));
                 let coating = RoughCoating {
                     layer,
                     facets,
-                    table,
+                    table: at.coat_table(roughness, *eta),
                 };
                 self.tree.push(Node::RoughCoating(coating, inner))
             }

@@ -7,8 +7,7 @@
 //! and a [`super::Bsdf`] can hold a plain reference to it.
 
 use super::fresnel::{dielectric, reflect, refract};
-use super::material::Distribution;
-use super::microfacet::Microfacet;
+use super::microfacet::{Distribution, Microfacet};
 use crate::math::{Vec2, Vec3};
 use std::collections::HashMap;
 use std::sync::{Mutex, OnceLock, PoisonError};

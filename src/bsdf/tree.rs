@@ -5,18 +5,9 @@
 //! place and goes to the heap only for deeper nests.
 
 use super::layer::{Coating, RoughCoating};
-use super::lobes::conductor::{Conductor, RoughConductor};
-use super::lobes::dielectric::{Dielectric, Null, ThinDielectric};
-use super::lobes::diffuse::{Diffuse, DiffuseTransmitter, RoughDiffuse};
-use super::lobes::metallic_roughness::MetallicRoughness;
-use super::lobes::phong::Phong;
-use super::lobes::plastic::Plastic;
-use super::lobes::principled::Principled;
-use super::lobes::principled_sheet::PrincipledSheet;
-use super::lobes::rough_dielectric::RoughDielectric;
-use super::lobes::rough_plastic::RoughPlastic;
-use super::lobes::ward::Ward;
+use super::lobes::rough_plastic::RoughPlasticLobe;
 use super::lobes::{Lobe, weighted};
+use super::material::Leaf;
 use super::perturb::Perturbation;
 use super::{BsdfSample, LobeFlags, Transport};
 use crate::math::rng::BELOW_ONE;
@@ -32,22 +23,8 @@ pub(super) type NodeId = u16;
 /// A model, or a way to combine models.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Node {
-    Diffuse(Diffuse),
-    RoughDiffuse(RoughDiffuse),
-    DiffuseTransmitter(DiffuseTransmitter),
-    Dielectric(Dielectric),
-    ThinDielectric(ThinDielectric),
-    RoughDielectric(RoughDielectric),
-    Null(Null),
-    Conductor(Conductor),
-    RoughConductor(RoughConductor),
-    Plastic(Plastic),
-    RoughPlastic(RoughPlastic),
-    Phong(Phong),
-    Ward(Ward),
-    MetallicRoughness(MetallicRoughness),
-    Principled(Principled),
-    PrincipledSheet(PrincipledSheet),
+    /// A model by itself.
+    Leaf(Leaf),
     /// Absorbs everything.
     Black,
     /// A model seen from its back as if that were its front.
@@ -68,31 +45,6 @@ pub(super) struct Mix {
     pub weights: [f32; 2],
     /// Probability of sampling the first.
     pub p_first: f32,
-}
-
-/// Runs an expression on a node that is a model by itself.
-macro_rules! with_lobe {
-    ($node:expr, $lobe:ident => $result:expr, $($others:tt)*) => {
-        match $node {
-            Node::Diffuse($lobe) => $result,
-            Node::RoughDiffuse($lobe) => $result,
-            Node::DiffuseTransmitter($lobe) => $result,
-            Node::Dielectric($lobe) => $result,
-            Node::ThinDielectric($lobe) => $result,
-            Node::RoughDielectric($lobe) => $result,
-            Node::Null($lobe) => $result,
-            Node::Conductor($lobe) => $result,
-            Node::RoughConductor($lobe) => $result,
-            Node::Plastic($lobe) => $result,
-            Node::RoughPlastic($lobe) => $result,
-            Node::Phong($lobe) => $result,
-            Node::Ward($lobe) => $result,
-            Node::MetallicRoughness($lobe) => $result,
-            Node::Principled($lobe) => $result,
-            Node::PrincipledSheet($lobe) => $result,
-            $($others)*
-        }
-    };
 }
 
 /// The nodes of a resolved material, children before parents.
@@ -121,22 +73,20 @@ impl Tree {
 
     /// The rough plastic that it is, as seen from its front or its back.
     #[inline]
-    pub fn rough_plastic(&self) -> Option<&RoughPlastic> {
+    pub fn rough_plastic(&self) -> Option<&RoughPlasticLobe> {
         match self.nodes.as_slice() {
-            [Node::RoughPlastic(plastic)] | [Node::RoughPlastic(plastic), Node::Flipped(0)] => {
-                Some(plastic)
-            }
+            [Node::Leaf(Leaf::RoughPlastic(plastic))]
+            | [Node::Leaf(Leaf::RoughPlastic(plastic)), Node::Flipped(0)] => Some(plastic),
             _ => None,
         }
     }
 
     /// The same, to be changed.
     #[inline]
-    pub fn rough_plastic_mut(&mut self) -> Option<&mut RoughPlastic> {
+    pub fn rough_plastic_mut(&mut self) -> Option<&mut RoughPlasticLobe> {
         match self.nodes.as_mut_slice() {
-            [Node::RoughPlastic(plastic)] | [Node::RoughPlastic(plastic), Node::Flipped(0)] => {
-                Some(plastic)
-            }
+            [Node::Leaf(Leaf::RoughPlastic(plastic))]
+            | [Node::Leaf(Leaf::RoughPlastic(plastic)), Node::Flipped(0)] => Some(plastic),
             _ => None,
         }
     }
@@ -166,14 +116,15 @@ impl Tree {
 
     /// `f |cos theta_i|` and density of the node, in its local frame.
     pub fn eval_pdf(&self, id: NodeId, wo: Vec3, wi: Vec3, transport: Transport) -> (Rgb, f32) {
-        with_lobe!(self.node(id), lobe => lobe.eval_pdf(wo, wi, transport),
+        match self.node(id) {
+            Node::Leaf(lobe) => lobe.eval_pdf(wo, wi, transport),
             Node::Black => (Rgb::ZERO, 0.0),
             &Node::Flipped(inner) => self.eval_pdf(inner, flip(wo), flip(wi), transport),
             Node::Perturbed(p, inner) => p.eval_pdf(&self.at(*inner), wo, wi, transport),
             Node::Mix(mix) => self.eval_mix(mix, wo, wi, transport),
             Node::Coating(c, inner) => c.eval_pdf(&self.at(*inner), wo, wi, transport),
             Node::RoughCoating(c, inner) => c.eval_pdf(&self.at(*inner), wo, wi, transport),
-        )
+        }
     }
 
     /// Draws a local direction from the node.
@@ -185,17 +136,21 @@ impl Tree {
         u: Vec2,
         transport: Transport,
     ) -> Option<BsdfSample> {
-        with_lobe!(self.node(id), lobe => lobe.sample(wo, u_lobe, u, transport),
+        match self.node(id) {
+            Node::Leaf(lobe) => lobe.sample(wo, u_lobe, u, transport),
             Node::Black => None,
             &Node::Flipped(inner) => {
                 let s = self.sample(inner, flip(wo), u_lobe, u, transport)?;
-                Some(BsdfSample { wi: flip(s.wi), ..s })
+                Some(BsdfSample {
+                    wi: flip(s.wi),
+                    ..s
+                })
             }
             Node::Perturbed(p, inner) => p.sample(&self.at(*inner), wo, (u_lobe, u), transport),
             Node::Mix(mix) => self.sample_mix(mix, wo, u_lobe, u, transport),
             Node::Coating(c, inner) => c.sample(&self.at(*inner), wo, (u_lobe, u), transport),
             Node::RoughCoating(c, inner) => c.sample(&self.at(*inner), wo, (u_lobe, u), transport),
-        )
+        }
     }
 
     fn eval_mix(&self, mix: &Mix, wo: Vec3, wi: Vec3, transport: Transport) -> (Rgb, f32) {
@@ -240,18 +195,20 @@ impl Tree {
 
     /// What the node does.
     pub fn flags(&self, id: NodeId) -> LobeFlags {
-        with_lobe!(self.node(id), lobe => lobe.flags(),
+        match self.node(id) {
+            Node::Leaf(lobe) => lobe.flags(),
             Node::Black => LobeFlags::default(),
             &Node::Flipped(inner) | &Node::Perturbed(_, inner) => self.flags(inner),
             Node::Mix(mix) => self.flags(mix.first) | self.flags(mix.second),
             Node::Coating(_, inner) => self.flags(*inner) | Coating::FLAGS,
             Node::RoughCoating(_, inner) => self.flags(*inner) | RoughCoating::FLAGS,
-        )
+        }
     }
 
     /// The node's colour.
     pub fn albedo(&self, id: NodeId) -> Rgb {
-        with_lobe!(self.node(id), lobe => lobe.albedo(),
+        match self.node(id) {
+            Node::Leaf(lobe) => lobe.albedo(),
             Node::Black => Rgb::ZERO,
             &Node::Flipped(inner) | &Node::Perturbed(_, inner) => self.albedo(inner),
             Node::Mix(mix) => {
@@ -259,19 +216,20 @@ impl Tree {
                 self.albedo(mix.first) * a + self.albedo(mix.second) * b
             }
             &Node::Coating(_, inner) | &Node::RoughCoating(_, inner) => self.albedo(inner),
-        )
+        }
     }
 
     /// Smallest roughness of the node's smooth parts.
     pub fn roughness(&self, id: NodeId) -> Option<f32> {
-        with_lobe!(self.node(id), lobe => lobe.roughness(),
+        match self.node(id) {
+            Node::Leaf(lobe) => lobe.roughness(),
             Node::Black => None,
-            &Node::Flipped(inner)
-            | &Node::Perturbed(_, inner)
-            | &Node::Coating(_, inner) => self.roughness(inner),
+            &Node::Flipped(inner) | &Node::Perturbed(_, inner) | &Node::Coating(_, inner) => {
+                self.roughness(inner)
+            }
             Node::Mix(mix) => smaller(self.roughness(mix.first), self.roughness(mix.second)),
             Node::RoughCoating(c, inner) => smaller(Some(c.alpha()), self.roughness(*inner)),
-        )
+        }
     }
 }
 

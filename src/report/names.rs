@@ -1,40 +1,9 @@
 //! The names by which scene files call things.
 
 use crate::accel::AnalyticKind;
-use crate::bsdf::Material;
 use crate::camera::Projection;
 use crate::film::filter::Filter;
 use crate::light::Emitter;
-
-/// The plugin name of a material.
-pub fn material(material: &Material) -> &'static str {
-    match material {
-        Material::Diffuse { .. } => "diffuse",
-        Material::RoughDiffuse { .. } => "roughdiffuse",
-        Material::Dielectric { .. } => "dielectric",
-        Material::ThinDielectric { .. } => "thindielectric",
-        Material::RoughDielectric { .. } => "roughdielectric",
-        Material::Conductor { .. } => "conductor",
-        Material::RoughConductor { .. } => "roughconductor",
-        Material::Plastic { .. } => "plastic",
-        Material::RoughPlastic { .. } => "roughplastic",
-        Material::Phong { .. } => "phong",
-        Material::Ward { .. } => "ward",
-        Material::MetallicRoughness(_) => "metallic-roughness",
-        Material::Principled(_) => "principled",
-        Material::PrincipledThin(_) => "principledthin",
-        Material::DiffuseTransmitter { .. } => "difftrans",
-        Material::Null => "null",
-        Material::Mask { .. } => "mask",
-        Material::TwoSided { .. } => "twosided",
-        Material::BumpMap { .. } => "bumpmap",
-        Material::NormalMap { .. } => "normalmap",
-        Material::Blend { .. } => "blendbsdf",
-        Material::Mixture { .. } => "mixturebsdf",
-        Material::Coating { .. } => "coating",
-        Material::RoughCoating { .. } => "roughcoating",
-    }
-}
 
 /// The plugin name of an emitter.
 pub fn emitter(emitter: &Emitter) -> &'static str {

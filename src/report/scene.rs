@@ -110,7 +110,7 @@ impl SceneReport {
             instances: description.instances.len(),
             geometry_memory_bytes: geometry_bytes(description),
             lights: by_type(&mut description.emitters.iter().map(names::emitter)),
-            materials: by_type(&mut ids.map(|id| names::material(materials.get(id)))),
+            materials: by_type(&mut ids.map(|id| materials.get(id).name())),
             textures: textures.count,
             texture_memory_bytes: textures.bytes,
             camera: names::camera(&description.camera.projection),

@@ -93,7 +93,8 @@ fn of_exact(shape: &AnalyticShape, flip: bool, p: Vec3, moves: [Vec3; 2]) -> Opt
 mod tests {
     use super::*;
     use crate::accel::{Backend, BuildSettings, Ray, TriangleMesh};
-    use crate::bsdf::{Material, Materials};
+    use crate::bsdf::Materials;
+    use crate::bsdf::material::Diffuse;
     use crate::math::Rgb;
     use crate::scene::{Description, Geometry, Scene, Shape};
     use crate::texture::Texture;
@@ -101,7 +102,7 @@ mod tests {
 
     fn scene(geometry: Geometry, instance: Option<Affine3A>) -> Scene {
         let mut materials = Materials::default();
-        let material = materials.push(Material::Diffuse {
+        let material = materials.push(Diffuse {
             reflectance: Texture::Constant(Rgb::ONE),
         });
         let mut description = Description {

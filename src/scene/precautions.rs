@@ -32,7 +32,10 @@ pub fn watertight_edges(description: &Description) -> Precaution {
             return None;
         };
         let name = &shape.name;
-        if description.materials.any(shape.material, &refracts) {
+        if description
+            .materials
+            .any(shape.material, &Material::refracts)
+        {
             return Some(format!("the mesh {name} refracts"));
         }
         is_closed(&mesh.triangles).then(|| format!("the mesh {name} is closed"))
@@ -75,15 +78,6 @@ pub fn precautions(description: &Description) -> Vec<Precaution> {
             "else fields would depend on the number of threads",
         ),
     ]
-}
-
-/// Whether light goes on behind a surface of it in another direction.
-fn refracts(material: &Material) -> bool {
-    match material {
-        Material::Dielectric { .. } | Material::RoughDielectric { .. } => true,
-        Material::Principled(p) => p.spec_trans.constant() != Some(crate::math::Rgb::ZERO),
-        _ => false,
-    }
 }
 
 /// Whether every edge of the mesh is met by an even number of triangles: it then has no border.

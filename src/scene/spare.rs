@@ -113,6 +113,7 @@ mod tests {
     use super::*;
     use crate::accel::TriangleMesh;
     use crate::bsdf::Material;
+    use crate::bsdf::material::Diffuse;
     use crate::math::Vec3;
     use crate::scene::Shape;
     use crate::texture::{Grid, MeshAttribute, MeshAttributes, Texture, UvTransform};
@@ -161,7 +162,7 @@ mod tests {
     /// Materials: 0 of one colour, 1 lines inside two sides, 2 the vertices' colours.
     fn scene(shapes: impl Fn() -> Vec<Shape>) -> Description {
         let mut description = Description::empty();
-        let diffuse = |reflectance| Material::Diffuse { reflectance };
+        let diffuse = |reflectance| Material::Diffuse(Diffuse { reflectance });
         let materials = &mut description.materials;
         materials.push(diffuse(Texture::Constant(Rgb::ONE)));
         let inner = materials.push(diffuse(lines()));

@@ -4,7 +4,10 @@ use crate::scenes::{field_of, room};
 use crate::support::grey;
 use crate::table::Table;
 use twintree::accel::Backend;
-use twintree::bsdf::material::{Distribution, Principled, Roughness, white};
+use twintree::bsdf::material::{
+    Dielectric, Diffuse, Distribution, Null, Phong, Plastic, Principled, RoughConductor,
+    RoughDielectric, Roughness, white,
+};
 use twintree::bsdf::{Bsdf, Material, Materials, Transport};
 use twintree::film::filter::{Filter, FilterSampler};
 use twintree::guide::{Field, ModelKind};
@@ -25,10 +28,12 @@ fn ggx(alpha: f32) -> Roughness {
 }
 
 fn materials() -> Vec<Material> {
-    let glass = |eta| Material::Dielectric {
-        eta,
-        specular_reflectance: white(),
-        specular_transmittance: white(),
+    let glass = |eta| {
+        Material::Dielectric(Dielectric {
+            eta,
+            specular_reflectance: white(),
+            specular_transmittance: white(),
+        })
     };
     let principled = Principled {
         base_color: grey(0.5),
@@ -48,38 +53,38 @@ fn materials() -> Vec<Material> {
         diffuse_reflectance_sampling_rate: 1.0,
     };
     let mut list = vec![
-        Material::Diffuse {
+        Material::Diffuse(Diffuse {
             reflectance: white(),
-        },
+        }),
         glass(1.5),
         glass(1.0),
-        Material::Plastic {
+        Material::Plastic(Plastic {
             eta: 1.5,
             diffuse_reflectance: grey(0.5),
             specular_reflectance: white(),
             nonlinear: true,
-        },
-        Material::Phong {
+        }),
+        Material::Phong(Phong {
             diffuse_reflectance: grey(0.5),
             specular_reflectance: grey(0.5),
             exponent: grey(1e4),
-        },
-        Material::Principled(Box::new(principled)),
-        Material::Null,
+        }),
+        Material::from(principled),
+        Material::Null(Null),
     ];
     for alpha in [0.0, 1e-8, 1e-4, 0.1, 1.0] {
-        list.push(Material::RoughConductor {
+        list.push(Material::from(RoughConductor {
             eta: grey(0.2),
             k: grey(3.9),
             roughness: ggx(alpha),
             specular_reflectance: white(),
-        });
-        list.push(Material::RoughDielectric {
+        }));
+        list.push(Material::from(RoughDielectric {
             eta: 1.5,
             roughness: ggx(alpha),
             specular_reflectance: white(),
             specular_transmittance: white(),
-        });
+        }));
     }
     list
 }
@@ -196,11 +201,11 @@ fn s20_interfaces_are_lossless() {
         for side in [1.0f32, -1.0] {
             for cos in [1e-8f32, 1e-3, critical, critical + f32::EPSILON, 0.3, 1.0] {
                 let wo = Vec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, side * cos);
-                let material = Material::Dielectric {
+                let material = Material::Dielectric(Dielectric {
                     eta,
                     specular_reflectance: white(),
                     specular_transmittance: white(),
-                };
+                });
                 let bsdf = flat(material, wo);
                 let first = |u: f32| bsdf.sample(wo, u, Vec2::ZERO, Transport::Importance);
                 let (Some(a), Some(b)) = (first(0.0), first(ENDS[3])) else {

@@ -5,7 +5,10 @@ use crate::support::{Built, SceneMaker, film_mean, grey, inside_of_cube, setting
 use crate::table::Table;
 use twintree::accel::{AnalyticKind, Backend};
 use twintree::bsdf::Material;
-use twintree::bsdf::material::{Distribution, Roughness};
+use twintree::bsdf::material::{
+    Dielectric, Diffuse, Distribution, Null, RoughConductor, RoughDielectric, Roughness,
+    ThinDielectric,
+};
 use twintree::film::Film;
 use twintree::integrate::PathSettings;
 use twintree::light::Emitter;
@@ -36,19 +39,21 @@ fn furnace(material: Material, backend: Backend) -> (f64, f64, Built) {
 
 #[test]
 fn s06_lossless_bodies_vanish() {
-    let glass = |eta| Material::Dielectric {
-        eta,
-        specular_reflectance: grey(1.0),
-        specular_transmittance: grey(1.0),
+    let glass = |eta| {
+        Material::Dielectric(Dielectric {
+            eta,
+            specular_reflectance: grey(1.0),
+            specular_transmittance: grey(1.0),
+        })
     };
-    let thin = Material::ThinDielectric {
+    let thin = Material::ThinDielectric(ThinDielectric {
         eta: 1.5,
         specular_reflectance: grey(1.0),
         specular_transmittance: grey(1.0),
-    };
-    let white = Material::Diffuse {
+    });
+    let white = Material::Diffuse(Diffuse {
         reflectance: grey(1.0),
-    };
+    });
     let list = [
         ("diffuse", white),
         ("mirror", silver(1.0)),
@@ -56,7 +61,7 @@ fn s06_lossless_bodies_vanish() {
         ("glass, index 1e3", glass(1e3)),
         ("glass, index 1 + 1e-7", glass(1.0 + f32::EPSILON)),
         ("thin glass", thin),
-        ("null", Material::Null),
+        ("null", Material::Null(Null)),
     ];
     let mut table = Table::default();
     for (name, backend) in backends() {
@@ -171,18 +176,18 @@ fn s06_rough_surfaces_keep_what_single_scattering_keeps() {
         for alpha in [1e-8f32, 1e-4, 1e-3, 1e-2, 0.1, 0.5, 1.0] {
             for degrees in [0.0f32, 60.0, 85.0] {
                 let (a, mu) = (f64::from(alpha), f64::from(degrees).to_radians().cos());
-                let mirror = Material::RoughConductor {
+                let mirror = Material::RoughConductor(RoughConductor {
                     eta: grey(0.0),
                     k: grey(1.0),
                     roughness: ggx(alpha),
                     specular_reflectance: grey(1.0),
-                };
-                let glass = Material::RoughDielectric {
+                });
+                let glass = Material::RoughDielectric(RoughDielectric {
                     eta: 1.5,
                     roughness: ggx(alpha),
                     specular_reflectance: grey(1.0),
                     specular_transmittance: grey(1.0),
-                };
+                });
                 for (what, material, truth) in [
                     ("mirror", mirror, mirror_shows(a, mu)),
                     ("glass", glass, interface_shows(1.5, a, mu)),
@@ -207,12 +212,12 @@ fn s06_rough_glass_gains_nothing() {
     let mut table = Table::default();
     for (name, backend) in backends() {
         for alpha in [1e-8f32, 1e-3, 1e-2, 0.1, 1.0] {
-            let glass = Material::RoughDielectric {
+            let glass = Material::RoughDielectric(RoughDielectric {
                 eta: 1.5,
                 roughness: ggx(alpha),
                 specular_reflectance: grey(1.0),
                 specular_transmittance: grey(1.0),
-            };
+            });
             let (mean, _, _) = furnace(glass, backend);
             let what = format!("ball of rough glass {alpha:e}: gain");
             table.hold("S6", &what, name, 5e-3, mean - 1.0);

@@ -4,6 +4,7 @@ use crate::support::{self, Built, SceneMaker, film_mean, grey, inside_of_cube};
 use std::sync::Arc;
 use twintree::accel::{AnalyticKind, Backend};
 use twintree::bsdf::Material;
+use twintree::bsdf::material::Conductor;
 use twintree::film::Film;
 use twintree::guide::ModelKind;
 use twintree::integrate::PathSettings;
@@ -110,11 +111,11 @@ pub fn plain_box(albedo: f32, radiance: f32, backend: Backend) -> Built {
 
 /// A metal that reflects everything.
 pub fn silver(reflectance: f32) -> Material {
-    Material::Conductor {
+    Material::Conductor(Conductor {
         eta: grey(0.0),
         k: grey(1.0),
         specular_reflectance: grey(reflectance),
-    }
+    })
 }
 
 /// The settings of these tests: paths of at most 12 edges, that seed; guided ones share what they

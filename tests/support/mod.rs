@@ -4,6 +4,7 @@
 
 use std::sync::Arc;
 use twintree::accel::{AnalyticKind, AnalyticShape, Backend, BuildSettings, TriangleMesh};
+use twintree::bsdf::material::Diffuse;
 use twintree::bsdf::{Material, MaterialId, Materials};
 use twintree::camera::{Camera, CameraDescription, FovAxis, Projection};
 use twintree::film::{Film, FilmDescription, FilmKind, filter::Filter};
@@ -76,12 +77,12 @@ impl SceneMaker {
         }
     }
 
-    pub fn material(&mut self, material: Material) -> MaterialId {
+    pub fn material(&mut self, material: impl Into<Material>) -> MaterialId {
         self.description.materials.push(material)
     }
 
     pub fn diffuse(&mut self, reflectance: f32) -> MaterialId {
-        self.material(Material::Diffuse {
+        self.material(Diffuse {
             reflectance: grey(reflectance),
         })
     }

@@ -4,8 +4,7 @@ use super::support::{Built, SceneMaker, film_mean, grey, settings};
 use std::path::Path;
 use twintree::accel::{AnalyticKind, Backend};
 use twintree::bsdf::Material;
-use twintree::bsdf::material::Turning;
-use twintree::bsdf::material::{Distribution, Roughness};
+use twintree::bsdf::material::{Distribution, InvalidNormals, RoughConductor, Roughness};
 use twintree::integrate::PathSettings;
 use twintree::light::Emitter;
 use twintree::math::{Affine3A, Rgb, Vec3};
@@ -34,7 +33,7 @@ fn waves(dir: &Path, store: &TextureStore, value: fn(f32, f32) -> [f32; 3]) -> T
 }
 
 fn metal(alpha: Texture) -> Material {
-    Material::RoughConductor {
+    Material::RoughConductor(RoughConductor {
         eta: grey(0.2),
         k: grey(3.9),
         roughness: Roughness {
@@ -43,7 +42,7 @@ fn metal(alpha: Texture) -> Material {
             alpha_v: alpha,
         },
         specular_reflectance: grey(1.0),
-    }
+    })
 }
 
 /// Adds what a material consists of.
@@ -85,12 +84,12 @@ fn walls_are_as_bright_in_few_pixels_as_in_many() {
         ("bumps", &|maker| Material::BumpMap {
             displacement: heights.clone(),
             scale: 10.0,
-            turning: Turning::default(),
+            invalid_normals: InvalidNormals::default(),
             inner: maker.diffuse(0.5),
         }),
         ("normals", &|maker| Material::NormalMap {
             normals: normals.clone(),
-            turning: Turning::default(),
+            invalid_normals: InvalidNormals::default(),
             inner: under(maker),
         }),
         ("roughness", &|_| metal(alphas.clone())),

@@ -1,33 +1,97 @@
-//! Metals, smooth and rough.
+//! Smooth metals.
 
-use super::{DELTA_REFLECTION, GLOSSY_REFLECTION, Lobe, weighted};
-use crate::bsdf::fresnel::{conductor, reflect};
-use crate::bsdf::microfacet::Microfacet;
+use super::{DELTA_REFLECTION, Lobe, weighted};
+use crate::bsdf::fresnel::conductor;
+use crate::bsdf::model::{Lookup, Model, Textures};
+use crate::bsdf::parameters::Parameters;
 use crate::bsdf::{BsdfSample, LobeFlags, Transport};
 use crate::math::{Rgb, Vec2, Vec3};
+use crate::texture::Texture;
+
+/// Smooth conductor.
+#[derive(Clone, Debug)]
+pub struct Conductor {
+    /// Real part of the relative index of refraction. A perfect mirror (`material` = none) has
+    /// eta 0 and k 1.
+    pub eta: Texture,
+    /// Imaginary part.
+    pub k: Texture,
+    /// Factor on reflection.
+    pub specular_reflectance: Texture,
+}
+
+impl Model for Conductor {
+    type Lobe = ConductorLobe;
+
+    fn read(p: &mut dyn Parameters) -> Result<Self, String> {
+        let [eta, k] = p.conductor_ior();
+        Ok(Self {
+            eta,
+            k,
+            specular_reflectance: p.reflectance("specular_reflectance", 1.0),
+        })
+    }
+
+    fn lobe(&self, at: &Lookup) -> ConductorLobe {
+        ConductorLobe {
+            metal: Metal::new(at, &self.eta, &self.k, &self.specular_reflectance),
+        }
+    }
+
+    fn textures(&self) -> Textures<'_> {
+        Textures {
+            linear: vec![&self.specular_reflectance],
+            nonlinear: vec![&self.eta, &self.k],
+        }
+    }
+
+    fn scatters(&self) -> bool {
+        false
+    }
+
+    #[cfg(test)]
+    fn examples() -> Vec<(&'static str, Self)> {
+        use crate::bsdf::material::white;
+        use crate::bsdf::tests::models::rgb;
+        let example = Self {
+            eta: rgb(0.143, 0.375, 1.442),
+            k: rgb(3.983, 2.386, 1.603),
+            specular_reflectance: white(),
+        };
+        vec![("conductor", example)]
+    }
+}
 
 /// A metal: its complex index of refraction `eta + i k`, and a factor that physics has at 1.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::bsdf) struct Metal {
-    pub eta: Rgb,
-    pub k: Rgb,
-    pub reflectance: Rgb,
+    eta: Rgb,
+    k: Rgb,
+    reflectance: Rgb,
 }
 
 impl Metal {
+    pub fn new(at: &Lookup, eta: &Texture, k: &Texture, reflectance: &Texture) -> Self {
+        Self {
+            eta: at.color(eta),
+            k: at.color(k),
+            reflectance: at.color(reflectance),
+        }
+    }
+
     #[inline]
-    fn reflect(&self, cos: f32) -> Rgb {
+    pub fn reflect(&self, cos: f32) -> Rgb {
         self.reflectance * conductor(cos, self.eta, self.k)
     }
 }
 
 /// A smooth metal.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::bsdf) struct Conductor {
-    pub metal: Metal,
+pub(in crate::bsdf) struct ConductorLobe {
+    metal: Metal,
 }
 
-impl Lobe for Conductor {
+impl Lobe for ConductorLobe {
     #[inline]
     fn eval_pdf(&self, _: Vec3, _: Vec3, _: Transport) -> (Rgb, f32) {
         (Rgb::ZERO, 0.0)
@@ -51,50 +115,5 @@ impl Lobe for Conductor {
 
     fn roughness(&self) -> Option<f32> {
         None
-    }
-}
-
-/// A rough metal.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::bsdf) struct RoughConductor {
-    pub metal: Metal,
-    pub facets: Microfacet,
-}
-
-impl Lobe for RoughConductor {
-    fn eval_pdf(&self, wo: Vec3, wi: Vec3, _: Transport) -> (Rgb, f32) {
-        if wo.z <= 0.0 || wi.z <= 0.0 {
-            return (Rgb::ZERO, 0.0);
-        }
-        let m = (wo + wi).normalize();
-        let pdf = self.facets.d(m) * self.facets.g1(wo, m) / (4.0 * wo.z);
-        let value = self.metal.reflect(wo.dot(m)) * (pdf * self.facets.g1(wi, m));
-        (value, pdf)
-    }
-
-    fn sample(&self, wo: Vec3, _: f32, u: Vec2, _: Transport) -> Option<BsdfSample> {
-        if wo.z <= 0.0 {
-            return None;
-        }
-        let m = self.facets.sample(wo, u);
-        let wi = reflect(wo, m).normalize();
-        if wi.z <= 0.0 {
-            return None;
-        }
-        let pdf = self.facets.d(m) * self.facets.g1(wo, m) / (4.0 * wo.z);
-        let weight = self.metal.reflect(wo.dot(m)) * self.facets.g1(wi, m);
-        weighted(wi, weight, pdf, 1.0, GLOSSY_REFLECTION)
-    }
-
-    fn flags(&self) -> LobeFlags {
-        GLOSSY_REFLECTION
-    }
-
-    fn albedo(&self) -> Rgb {
-        self.metal.reflect(1.0)
-    }
-
-    fn roughness(&self) -> Option<f32> {
-        Some(self.facets.alpha())
     }
 }

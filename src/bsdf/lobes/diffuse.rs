@@ -1,22 +1,66 @@
-//! Lambertian reflection and transmission, and Oren and Nayar's rough diffuse reflection.
+//! Lambertian reflection.
 
-use super::{GLOSSY_REFLECTION, GLOSSY_TRANSMISSION, Lobe, cosine_pdf, sample_cosine, weighted};
+use super::{GLOSSY_REFLECTION, Lobe, cosine_pdf, sample_cosine, weighted};
+use crate::bsdf::model::{Lookup, Model, Textures};
+use crate::bsdf::parameters::Parameters;
 use crate::bsdf::{BsdfSample, LobeFlags, Transport};
 use crate::math::{Rgb, Vec2, Vec3};
-use std::f32::consts::{FRAC_1_PI, FRAC_1_SQRT_2};
+use crate::texture::Texture;
+
+/// Lambertian reflection.
+#[derive(Clone, Debug)]
+pub struct Diffuse {
+    /// Reflectance.
+    pub reflectance: Texture,
+}
+
+impl Model for Diffuse {
+    type Lobe = DiffuseLobe;
+
+    fn read(p: &mut dyn Parameters) -> Result<Self, String> {
+        let name = p.either(&["reflectance", "diffuse_reflectance"]);
+        Ok(Self {
+            reflectance: p.reflectance(name, 0.5),
+        })
+    }
+
+    fn lobe(&self, at: &Lookup) -> DiffuseLobe {
+        DiffuseLobe {
+            reflectance: at.color(&self.reflectance),
+        }
+    }
+
+    fn textures(&self) -> Textures<'_> {
+        Textures {
+            linear: vec![&self.reflectance],
+            nonlinear: vec![],
+        }
+    }
+
+    fn scatters(&self) -> bool {
+        self.reflectance.constant() != Some(Rgb::ZERO)
+    }
+
+    #[cfg(test)]
+    fn examples() -> Vec<(&'static str, Self)> {
+        use crate::bsdf::tests::models::rgb;
+        let reflectance = rgb(0.2, 0.5, 0.8);
+        vec![("diffuse", Self { reflectance })]
+    }
+}
 
 /// Lambertian reflection from the front.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::bsdf) struct Diffuse {
+pub(in crate::bsdf) struct DiffuseLobe {
     pub reflectance: Rgb,
 }
 
-impl Diffuse {
+impl DiffuseLobe {
     /// What every diffuse reflection does.
     pub const FLAGS: LobeFlags = GLOSSY_REFLECTION;
 }
 
-impl Lobe for Diffuse {
+impl Lobe for DiffuseLobe {
     #[inline]
     fn eval_pdf(&self, wo: Vec3, wi: Vec3, _: Transport) -> (Rgb, f32) {
         if wo.z <= 0.0 || wi.z <= 0.0 {
@@ -39,142 +83,6 @@ impl Lobe for Diffuse {
             1.0,
             GLOSSY_REFLECTION,
         )
-    }
-
-    fn flags(&self) -> LobeFlags {
-        GLOSSY_REFLECTION
-    }
-
-    fn albedo(&self) -> Rgb {
-        self.reflectance
-    }
-
-    fn roughness(&self) -> Option<f32> {
-        Some(1.0)
-    }
-}
-
-/// Lambertian transmission, both ways.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::bsdf) struct DiffuseTransmitter {
-    pub transmittance: Rgb,
-}
-
-impl Lobe for DiffuseTransmitter {
-    #[inline]
-    fn eval_pdf(&self, wo: Vec3, wi: Vec3, _: Transport) -> (Rgb, f32) {
-        if wo.z * wi.z >= 0.0 {
-            return (Rgb::ZERO, 0.0);
-        }
-        let pdf = cosine_pdf(wi.z.abs());
-        (self.transmittance * pdf, pdf)
-    }
-
-    #[inline]
-    fn sample(&self, wo: Vec3, _: f32, u: Vec2, _: Transport) -> Option<BsdfSample> {
-        if wo.z == 0.0 {
-            return None;
-        }
-        let mut wi = sample_cosine(u);
-        let pdf = cosine_pdf(wi.z);
-        wi.z = -wi.z * wo.z.signum();
-        weighted(wi, self.transmittance, pdf, 1.0, GLOSSY_TRANSMISSION)
-    }
-
-    fn flags(&self) -> LobeFlags {
-        GLOSSY_TRANSMISSION
-    }
-
-    fn albedo(&self) -> Rgb {
-        self.transmittance
-    }
-
-    fn roughness(&self) -> Option<f32> {
-        Some(1.0)
-    }
-}
-
-/// Rough diffuse reflection (Oren and Nayar 1994), with the constants and the choice of Mitsuba
-/// 0.6: the full model with one interreflection, or the paper's qualitative model.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::bsdf) struct RoughDiffuse {
-    pub reflectance: Rgb,
-    /// Squared standard deviation of the slope angle.
-    sigma2: f32,
-    fast_approx: bool,
-}
-
-impl RoughDiffuse {
-    /// `alpha` is a Beckmann-style root mean square slope; Mitsuba takes `alpha / sqrt(2)` for
-    /// sigma.
-    pub fn new(reflectance: Rgb, alpha: f32, fast_approx: bool) -> Self {
-        let sigma = alpha.max(0.0) * FRAC_1_SQRT_2;
-        Self {
-            reflectance,
-            sigma2: sigma * sigma,
-            fast_approx,
-        }
-    }
-
-    /// f times pi.
-    fn shape(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        let sin = |w: Vec3| (1.0 - w.z * w.z).max(0.0).sqrt();
-        let (sin_o, sin_i) = (sin(wo), sin(wi));
-        let cos_phi = if sin_o > 1e-4 && sin_i > 1e-4 {
-            ((wo.x * wi.x + wo.y * wi.y) / (sin_o * sin_i)).clamp(-1.0, 1.0)
-        } else {
-            0.0
-        };
-        // "alpha" is the larger angle to the normal, "beta" the smaller.
-        let (sin_alpha, sin_beta, cos_alpha, cos_beta) = if wo.z > wi.z {
-            (sin_i, sin_o, wi.z, wo.z)
-        } else {
-            (sin_o, sin_i, wo.z, wi.z)
-        };
-        let tan_beta = sin_beta / cos_beta;
-        let s2 = self.sigma2;
-        let c1 = 1.0 - 0.5 * s2 / (s2 + 0.33);
-        let spread = s2 / (s2 + 0.09);
-        if self.fast_approx {
-            return self.reflectance
-                * (c1 + 0.45 * spread * cos_phi.max(0.0) * sin_alpha * tan_beta);
-        }
-        let (alpha, beta) = (cos_alpha.min(1.0).acos(), cos_beta.min(1.0).acos());
-        let b = 2.0 * FRAC_1_PI * beta;
-        let c2 = 0.45
-            * spread
-            * if cos_phi > 0.0 {
-                sin_alpha
-            } else {
-                sin_alpha - b * b * b
-            };
-        let product = 4.0 * FRAC_1_PI * FRAC_1_PI * alpha * beta;
-        let c3 = 0.125 * spread * product * product;
-        let c4 = 0.17 * s2 / (s2 + 0.13);
-        let tan_half = (sin_alpha + sin_beta) / (cos_alpha + cos_beta);
-        let single = c1 + cos_phi * c2 * tan_beta + (1.0 - cos_phi.abs()) * c3 * tan_half;
-        let double = c4 * (1.0 - cos_phi * b * b);
-        self.reflectance * single + self.reflectance * self.reflectance * double
-    }
-}
-
-impl Lobe for RoughDiffuse {
-    #[inline]
-    fn eval_pdf(&self, wo: Vec3, wi: Vec3, _: Transport) -> (Rgb, f32) {
-        if wo.z <= 0.0 || wi.z <= 0.0 {
-            return (Rgb::ZERO, 0.0);
-        }
-        let pdf = cosine_pdf(wi.z);
-        (self.shape(wo, wi) * pdf, pdf)
-    }
-
-    fn sample(&self, wo: Vec3, _: f32, u: Vec2, _: Transport) -> Option<BsdfSample> {
-        if wo.z <= 0.0 {
-            return None;
-        }
-        let wi = sample_cosine(u);
-        let weight = self.shape(wo, wi);
-        weighted(wi, weight, cosine_pdf(wi.z), 1.0, GLOSSY_REFLECTION)
     }
 
     fn flags(&self) -> LobeFlags {

@@ -6,33 +6,49 @@
 //! (Kelemen and Szirmay-Kalos 2001): a factor `(1 - E(wo)) (1 - E(wi)) / (1 - E_mean)` with the
 //! facets' albedo E. It is reciprocal, and a white base returns all light.
 
-use super::principled::{facets, schlick_weight};
+use super::principled_parts::{facets, schlick_weight};
 use super::{GLOSSY_REFLECTION, Lobe, cosine_pdf, mean, sample_over_diffuse, share};
 use crate::bsdf::facet_albedo::{AlbedoCurve, facet_albedo};
-use crate::bsdf::fresnel::{contrast, dielectric, reflect};
+use crate::bsdf::fresnel::{contrast, dielectric, reflect, sane_eta};
 use crate::bsdf::microfacet::Microfacet;
+use crate::bsdf::model::{Lookup, Model, Textures};
+use crate::bsdf::parameters::Parameters;
+use crate::bsdf::transmittance::RoughTransmittance;
 use crate::bsdf::{BsdfSample, LobeFlags, Transport};
 use crate::math::{Rgb, Vec2, Vec3};
+use crate::texture::Texture;
 use std::f32::consts::FRAC_1_PI;
 
-/// The model at a point.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::bsdf) struct MetallicRoughness {
-    color: Rgb,
-    metallic: f32,
-    eta: f32,
-    facets: Microfacet,
-    albedo: AlbedoCurve,
-    /// Colour of the base over pi and over what the facets leave of diffuse light.
-    base: Rgb,
+/// Parameters of glTF 2.0's metallic-roughness model; each in `[0, 1]` unless said otherwise.
+#[derive(Clone, Debug)]
+pub struct MetallicRoughness {
+    /// Colour of the diffuse base, and of the metal.
+    pub base_color: Texture,
+    /// 0 is the dielectric, 1 the metal.
+    pub metallic: Texture,
+    /// Perceptual roughness, the square root of the facets' width.
+    pub roughness: Texture,
+    /// Relative index of refraction of the dielectric, 1 or more.
+    pub eta: f32,
 }
 
-impl MetallicRoughness {
-    /// Colour, metalness, perceptual roughness, and the dielectric's relative index, above 1.
-    pub fn new(color: Rgb, metallic: f32, roughness: f32, eta: f32) -> Self {
-        let metallic = metallic.clamp(0.0, 1.0);
+impl Model for MetallicRoughness {
+    type Lobe = MetallicRoughnessLobe;
+
+    fn read(_: &mut dyn Parameters) -> Result<Self, String> {
+        Err("only glTF files have this model".into())
+    }
+
+    fn is_plugin() -> bool {
+        false
+    }
+
+    fn lobe(&self, at: &Lookup) -> MetallicRoughnessLobe {
+        let (color, roughness) = (at.color(&self.base_color), at.scalar(&self.roughness));
+        let metallic = at.scalar(&self.metallic).clamp(0.0, 1.0);
+        let eta = sane_eta(self.eta).max(1.0);
         let albedo = facet_albedo().curve(roughness, contrast(eta));
-        Self {
+        MetallicRoughnessLobe {
             color,
             metallic,
             eta,
@@ -42,6 +58,52 @@ impl MetallicRoughness {
         }
     }
 
+    fn textures(&self) -> Textures<'_> {
+        let (color, metallic) = (&self.base_color, &self.metallic);
+        // Their product counts: one of the two may vary.
+        match color.constant().or(metallic.constant()) {
+            Some(_) => Textures {
+                linear: vec![color, metallic],
+                nonlinear: vec![&self.roughness],
+            },
+            None => Textures {
+                linear: vec![],
+                nonlinear: vec![color, metallic, &self.roughness],
+            },
+        }
+    }
+
+    fn prepare(&self) -> Option<&'static RoughTransmittance> {
+        facet_albedo();
+        None
+    }
+
+    #[cfg(test)]
+    fn examples() -> Vec<(&'static str, Self)> {
+        use crate::bsdf::tests::models::metallic_roughness;
+        vec![
+            ("metallic_roughness", metallic_roughness(0.4, 0.3)),
+            (
+                "metallic_roughness_dielectric",
+                metallic_roughness(0.7, 0.0),
+            ),
+        ]
+    }
+}
+
+/// The model at a point.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::bsdf) struct MetallicRoughnessLobe {
+    color: Rgb,
+    metallic: f32,
+    eta: f32,
+    facets: Microfacet,
+    albedo: AlbedoCurve,
+    /// Colour of the base over pi and over what the facets leave of diffuse light.
+    base: Rgb,
+}
+
+impl MetallicRoughnessLobe {
     /// Probability of sampling the facets.
     #[inline]
     fn choice(&self, albedo: f32) -> f32 {
@@ -60,7 +122,7 @@ impl MetallicRoughness {
     }
 }
 
-impl Lobe for MetallicRoughness {
+impl Lobe for MetallicRoughnessLobe {
     fn eval_pdf(&self, wo: Vec3, wi: Vec3, _: Transport) -> (Rgb, f32) {
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return (Rgb::ZERO, 0.0);

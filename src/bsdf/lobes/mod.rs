@@ -1,7 +1,8 @@
 //! The models that scatter by themselves, one file each, in the local frame where the normal is +z.
 //!
-//! Each is a small struct of numbers that implements [`Lobe`]. Models around other models (blends,
-//! coatings, perturbed frames) are nodes of [`super::tree`].
+//! Each has two structs: its parameters, a [`Model`](super::model::Model), and the plain numbers
+//! that they are at a point, a [`Lobe`]. Models around other models (blends, coatings, perturbed
+//! frames) are nodes of [`super::tree`].
 
 use super::{BsdfSample, LobeFlags, Transport};
 use crate::math::warp::{cosine_hemisphere, cosine_hemisphere_pdf};
@@ -10,13 +11,19 @@ use crate::math::{Rgb, Vec2, Vec3};
 pub(super) mod conductor;
 pub(super) mod dielectric;
 pub(super) mod diffuse;
+pub(super) mod diffuse_transmitter;
 pub(super) mod metallic_roughness;
+pub(super) mod null;
 pub(super) mod phong;
 pub(super) mod plastic;
 pub(super) mod principled;
-pub(super) mod principled_sheet;
+mod principled_parts;
+pub(super) mod principled_thin;
+pub(super) mod rough_conductor;
 pub(super) mod rough_dielectric;
+pub(super) mod rough_diffuse;
 pub(super) mod rough_plastic;
+pub(super) mod thin_dielectric;
 pub(super) mod ward;
 
 /// Smooth reflection.
@@ -51,6 +58,69 @@ pub(super) trait Lobe {
     /// Smallest roughness of its smooth parts; `None` if it has only delta parts.
     fn roughness(&self) -> Option<f32>;
 }
+
+/// Makes an enum of lobes that is itself a lobe.
+macro_rules! either_lobe {
+    (
+        $(#[$doc:meta])*
+        $visibility:vis enum $name:ident { $($variant:ident($lobe:ty),)* }
+    ) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug)]
+        $visibility enum $name {
+            $($variant($lobe),)*
+        }
+
+        impl $crate::bsdf::lobes::Lobe for $name {
+            #[inline]
+            fn eval_pdf(
+                &self,
+                wo: $crate::math::Vec3,
+                wi: $crate::math::Vec3,
+                transport: $crate::bsdf::Transport,
+            ) -> ($crate::math::Rgb, f32) {
+                match self {
+                    $(Self::$variant(lobe) => lobe.eval_pdf(wo, wi, transport),)*
+                }
+            }
+
+            #[inline]
+            fn sample(
+                &self,
+                wo: $crate::math::Vec3,
+                u_lobe: f32,
+                u: $crate::math::Vec2,
+                transport: $crate::bsdf::Transport,
+            ) -> Option<$crate::bsdf::BsdfSample> {
+                match self {
+                    $(Self::$variant(lobe) => lobe.sample(wo, u_lobe, u, transport),)*
+                }
+            }
+
+            #[inline]
+            fn flags(&self) -> $crate::bsdf::LobeFlags {
+                match self {
+                    $(Self::$variant(lobe) => lobe.flags(),)*
+                }
+            }
+
+            #[inline]
+            fn albedo(&self) -> $crate::math::Rgb {
+                match self {
+                    $(Self::$variant(lobe) => lobe.albedo(),)*
+                }
+            }
+
+            #[inline]
+            fn roughness(&self) -> Option<f32> {
+                match self {
+                    $(Self::$variant(lobe) => lobe.roughness(),)*
+                }
+            }
+        }
+    };
+}
+pub(super) use either_lobe;
 
 /// A sample of a smooth lobe whose weight is its value over its density, or nothing where either is
 /// 0.

@@ -3,13 +3,79 @@
 use super::{
     DELTA_REFLECTION, GLOSSY_REFLECTION, Lobe, cosine_pdf, mean, sample_cosine, share, weighted,
 };
-use crate::bsdf::fresnel::{dielectric, internal_diffuse_transmittance};
+use crate::bsdf::fresnel::{dielectric, internal_diffuse_transmittance, sane_eta};
+use crate::bsdf::model::{Lookup, Model, Textures};
+use crate::bsdf::parameters::Parameters;
 use crate::bsdf::{BsdfSample, LobeFlags, Transport};
 use crate::math::{Rgb, Vec2, Vec3};
+use crate::texture::Texture;
+
+/// Smooth dielectric coat over a diffuse base, with interreflection inside.
+#[derive(Clone, Debug)]
+pub struct Plastic {
+    /// Interior over exterior index of refraction.
+    pub eta: f32,
+    /// Reflectance of the base.
+    pub diffuse_reflectance: Texture,
+    /// Factor on the coat's reflection.
+    pub specular_reflectance: Texture,
+    /// Account for colour shifts by internal scattering.
+    pub nonlinear: bool,
+}
+
+impl Model for Plastic {
+    type Lobe = PlasticLobe;
+
+    fn read(p: &mut dyn Parameters) -> Result<Self, String> {
+        Ok(Self {
+            eta: p.relative_ior("polypropylene"),
+            diffuse_reflectance: p.reflectance("diffuse_reflectance", 0.5),
+            specular_reflectance: p.reflectance("specular_reflectance", 1.0),
+            nonlinear: p.boolean("nonlinear", false),
+        })
+    }
+
+    fn lobe(&self, at: &Lookup) -> PlasticLobe {
+        let eta = sane_eta(self.eta);
+        let diffuse = at.color(&self.diffuse_reflectance);
+        let specular = at.color(&self.specular_reflectance);
+        let leaving = internal_diffuse_transmittance(eta);
+        PlasticLobe {
+            eta,
+            specular,
+            diffuse,
+            base: interreflected(diffuse, leaving, self.nonlinear) / (eta * eta),
+            specular_weight: share(mean(specular), mean(diffuse)),
+        }
+    }
+
+    fn textures(&self) -> Textures<'_> {
+        let (base, coat) = (&self.diffuse_reflectance, &self.specular_reflectance);
+        match self.nonlinear {
+            true => Textures {
+                linear: vec![coat],
+                nonlinear: vec![base],
+            },
+            false => Textures {
+                linear: vec![coat, base],
+                nonlinear: vec![],
+            },
+        }
+    }
+
+    #[cfg(test)]
+    fn examples() -> Vec<(&'static str, Self)> {
+        use crate::bsdf::tests::models::plastic;
+        vec![
+            ("plastic", plastic(false)),
+            ("plastic_nonlinear", plastic(true)),
+        ]
+    }
+}
 
 /// Smooth plastic, Mitsuba's formulas.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::bsdf) struct Plastic {
+pub(in crate::bsdf) struct PlasticLobe {
     eta: f32,
     specular: Rgb,
     diffuse: Rgb,
@@ -33,18 +99,7 @@ pub(in crate::bsdf) fn interreflected(diffuse: Rgb, leaving: f32, nonlinear: boo
     }
 }
 
-impl Plastic {
-    pub fn new(eta: f32, diffuse: Rgb, specular: Rgb, nonlinear: bool) -> Self {
-        let leaving = internal_diffuse_transmittance(eta);
-        Self {
-            eta,
-            specular,
-            diffuse,
-            base: interreflected(diffuse, leaving, nonlinear) / (eta * eta),
-            specular_weight: share(mean(specular), mean(diffuse)),
-        }
-    }
-
+impl PlasticLobe {
     /// Fresnel reflectance for `wo`, and the probability of sampling the coat.
     #[inline]
     fn choice(&self, wo: Vec3) -> (f32, f32) {
@@ -57,7 +112,7 @@ impl Plastic {
     }
 }
 
-impl Lobe for Plastic {
+impl Lobe for PlasticLobe {
     fn eval_pdf(&self, wo: Vec3, wi: Vec3, _: Transport) -> (Rgb, f32) {
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return (Rgb::ZERO, 0.0);

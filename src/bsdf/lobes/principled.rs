@@ -2,113 +2,171 @@
 //! "Extending the Disney BRDF to a BSDF with Integrated Subsurface Scattering", 2015): a rough
 //! dielectric or metallic lobe, a diffuse lobe with retro-reflection and sheen, and a clear coat.
 
+use super::principled_parts::{Base, facets, schlick, schlick_r0, tint};
 use super::{
     GLOSSY_REFLECTION, GLOSSY_TRANSMISSION, Lobe, cosine_pdf, sample_cosine, smooth_sample,
 };
-use crate::bsdf::fresnel::{Interface, contrast, dielectric, reflect, refract};
-use crate::bsdf::material::Distribution;
-use crate::bsdf::microfacet::Microfacet;
+use crate::bsdf::fresnel::{Interface, dielectric, reflect, refract, sane_eta};
+use crate::bsdf::microfacet::{Distribution, Microfacet};
+use crate::bsdf::model::{Lookup, Model, Textures};
+use crate::bsdf::parameters::Parameters;
 use crate::bsdf::{BsdfSample, LobeFlags, Transport};
-use crate::math::{Rgb, Vec2, Vec3, luminance};
-use std::f32::consts::{FRAC_1_PI, PI, TAU};
+use crate::math::{Rgb, Vec2, Vec3};
+use crate::texture::Texture;
+use std::f32::consts::{PI, TAU};
 
-/// The main lobe's facets, from Burley's roughness and anisotropy.
-pub(super) fn facets(roughness: f32, anisotropic: f32) -> Microfacet {
-    let r2 = roughness * roughness;
-    let aspect = (1.0 - 0.9 * anisotropic.clamp(0.0, 1.0)).sqrt();
-    Microfacet::new(
-        Distribution::Ggx,
-        (r2 / aspect).max(1e-3),
-        (r2 * aspect).max(1e-3),
-    )
-}
-
-/// Schlick's fifth power.
-#[inline]
-pub(super) fn schlick_weight(cos: f32) -> f32 {
-    let m = (1.0 - cos).clamp(0.0, 1.0);
-    let m2 = m * m;
-    m2 * m2 * m
-}
-
-/// Schlick's approximation from the reflectance `r0` at normal incidence; on the dense side of the
-/// interface it uses the angle of the transmitted ray.
-pub(super) fn schlick(r0: Rgb, cos: f32, eta: f32) -> Rgb {
-    let (eta_it, eta_ti) = if cos >= 0.0 {
-        (eta, 1.0 / eta)
-    } else {
-        (1.0 / eta, eta)
-    };
-    let weight = if eta_it > 1.0 {
-        schlick_weight(cos.abs())
-    } else {
-        let cos_t2 = 1.0 - (1.0 - cos * cos) * eta_ti * eta_ti;
-        schlick_weight(cos_t2.max(0.0).sqrt())
-    };
-    r0.lerp(Rgb::ONE, weight)
-}
-
-/// Reflectance at normal incidence.
-pub(super) fn schlick_r0(eta: f32) -> f32 {
-    let r = contrast(eta);
-    r * r
-}
-
-/// The colour without its luminance.
-pub(super) fn tint(color: Rgb) -> Rgb {
-    let l = luminance(color);
-    if l > 0.0 { color / l } else { Rgb::ONE }
-}
-
-/// The diffuse part that both principled models share: diffuse with retro-reflection blended into a
-/// fake subsurface lobe, and sheen.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Base {
-    pub color: Rgb,
-    pub roughness: f32,
-    pub flatness: f32,
-    /// Sheen's colour and strength.
-    pub sheen: Rgb,
-}
-
-impl Base {
-    /// (diffuse f cos, sheen f cos) for cosines of both directions and of `wi` to the half vector.
-    pub fn eval(&self, cos_o: f32, cos_i: f32, cos_d: f32) -> (Rgb, Rgb) {
-        let (fo, fi) = (schlick_weight(cos_o), schlick_weight(cos_i));
-        let diffuse = (1.0 - 0.5 * fo) * (1.0 - 0.5 * fi);
-        let rr = 2.0 * self.roughness * cos_d * cos_d;
-        let retro = rr * (fo + fi + fo * fi * (rr - 1.0));
-        let half = 0.5 * rr;
-        let ss = (1.0 + (half - 1.0) * fo) * (1.0 + (half - 1.0) * fi);
-        let flat = 1.25 * (ss * (1.0 / (cos_o + cos_i) - 0.5) + 0.5);
-        let shape = diffuse + retro + (flat - diffuse - retro) * self.flatness;
-        let sheen = self.sheen * (schlick_weight(cos_d.abs()) * cos_i);
-        (self.color * (shape * FRAC_1_PI * cos_i), sheen)
-    }
-}
-
-/// What the scene says at a point.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::bsdf) struct PrincipledInput {
-    pub base_color: Rgb,
-    pub roughness: f32,
-    pub anisotropic: f32,
-    pub metallic: f32,
-    pub spec_trans: f32,
+/// Parameters of Mitsuba 3's `principled`; each in `[0, 1]` unless said otherwise.
+#[derive(Clone, Debug)]
+#[allow(missing_docs)]
+pub struct Principled {
+    pub base_color: Texture,
+    pub roughness: Texture,
+    pub anisotropic: Texture,
+    pub metallic: Texture,
+    pub spec_trans: Texture,
+    /// Interior index of refraction (`eta`; from `specular` where the scene gives that).
     pub eta: f32,
-    pub spec_tint: f32,
-    pub sheen: f32,
-    pub sheen_tint: f32,
-    pub flatness: f32,
-    pub clearcoat: f32,
-    pub clearcoat_gloss: f32,
-    /// Sampling rates: main specular, clear coat, diffuse.
-    pub rates: [f32; 3],
+    pub spec_tint: Texture,
+    pub sheen: Texture,
+    pub sheen_tint: Texture,
+    pub flatness: Texture,
+    pub clearcoat: Texture,
+    pub clearcoat_gloss: Texture,
+    /// Relative sampling rates, as in Mitsuba 3.
+    pub main_specular_sampling_rate: f32,
+    pub clearcoat_sampling_rate: f32,
+    pub diffuse_reflectance_sampling_rate: f32,
+}
+
+impl Model for Principled {
+    type Lobe = PrincipledLobe;
+
+    fn read(p: &mut dyn Parameters) -> Result<Self, String> {
+        Ok(Self {
+            eta: p.principled_ior()?,
+            base_color: p.reflectance("base_color", 0.5),
+            roughness: p.reflectance("roughness", 0.5),
+            anisotropic: p.reflectance("anisotropic", 0.0),
+            metallic: p.reflectance("metallic", 0.0),
+            spec_trans: p.reflectance("spec_trans", 0.0),
+            spec_tint: p.reflectance("spec_tint", 0.0),
+            sheen: p.reflectance("sheen", 0.0),
+            sheen_tint: p.reflectance("sheen_tint", 0.0),
+            flatness: p.reflectance("flatness", 0.0),
+            clearcoat: p.reflectance("clearcoat", 0.0),
+            clearcoat_gloss: p.reflectance("clearcoat_gloss", 0.0),
+            main_specular_sampling_rate: p.float("main_specular_sampling_rate", 1.0),
+            clearcoat_sampling_rate: p.float("clearcoat_sampling_rate", 1.0),
+            diffuse_reflectance_sampling_rate: p.float("diffuse_reflectance_sampling_rate", 1.0),
+        })
+    }
+
+    fn lobe(&self, at: &Lookup) -> PrincipledLobe {
+        let base_color = at.color(&self.base_color);
+        let roughness = at.scalar(&self.roughness);
+        let (metallic, spec_trans) = (at.scalar(&self.metallic), at.scalar(&self.spec_trans));
+        let clearcoat = at.scalar(&self.clearcoat);
+        let eta = sane_eta(self.eta);
+        let brdf = (1.0 - metallic) * (1.0 - spec_trans);
+        let main = self.main_specular_sampling_rate;
+        let coat = 0.25 * clearcoat * self.clearcoat_sampling_rate;
+        let diffuse = brdf * self.diffuse_reflectance_sampling_rate;
+        let sum = main + coat + diffuse;
+        let inverse = if sum > 0.0 { 1.0 / sum } else { 0.0 };
+        let sheen_color = Rgb::ONE.lerp(tint(base_color), at.scalar(&self.sheen_tint));
+        let sheen = if brdf > 0.0 {
+            at.scalar(&self.sheen)
+        } else {
+            0.0
+        };
+        PrincipledLobe {
+            base: Base {
+                color: base_color,
+                roughness,
+                flatness: at.scalar(&self.flatness),
+                sheen: sheen_color * (sheen * (1.0 - metallic)),
+            },
+            facets: facets(roughness, at.scalar(&self.anisotropic)),
+            eta: if eta == 1.0 { 1.001 } else { eta },
+            metallic,
+            spec_tint: at.scalar(&self.spec_tint),
+            clearcoat,
+            coat_alpha: 0.1 + (0.001 - 0.1) * at.scalar(&self.clearcoat_gloss),
+            brdf,
+            bsdf: (1.0 - metallic) * spec_trans,
+            p_diffuse: diffuse * inverse,
+            p_coat: coat * inverse,
+        }
+    }
+
+    fn textures(&self) -> Textures<'_> {
+        // Tints and sheens multiply, roughnesses bend.
+        Textures {
+            linear: vec![],
+            nonlinear: vec![
+                &self.base_color,
+                &self.roughness,
+                &self.anisotropic,
+                &self.metallic,
+                &self.spec_trans,
+                &self.spec_tint,
+                &self.sheen,
+                &self.sheen_tint,
+                &self.flatness,
+                &self.clearcoat,
+                &self.clearcoat_gloss,
+            ],
+        }
+    }
+
+    fn is_anisotropic(&self) -> bool {
+        self.anisotropic.constant() != Some(Rgb::ZERO)
+    }
+
+    fn refracts(&self) -> bool {
+        self.spec_trans.constant() != Some(Rgb::ZERO)
+    }
+
+    #[cfg(test)]
+    fn examples() -> Vec<(&'static str, Self)> {
+        use crate::bsdf::tests::models::{grey, principled};
+        vec![
+            (
+                "principled_metal",
+                Self {
+                    anisotropic: grey(0.6),
+                    metallic: grey(0.7),
+                    spec_tint: grey(0.4),
+                    clearcoat: grey(0.6),
+                    clearcoat_gloss: grey(0.3),
+                    ..principled(0.4, 1.5)
+                },
+            ),
+            (
+                "principled_cloth",
+                Self {
+                    sheen: grey(0.8),
+                    sheen_tint: grey(0.5),
+                    flatness: grey(0.6),
+                    ..principled(0.7, 1.4)
+                },
+            ),
+            (
+                "principled_glass",
+                Self {
+                    spec_trans: grey(0.8),
+                    metallic: grey(0.1),
+                    spec_tint: grey(0.3),
+                    ..principled(0.5, 1.5)
+                },
+            ),
+        ]
+    }
 }
 
 /// The principled model.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::bsdf) struct Principled {
+pub(in crate::bsdf) struct PrincipledLobe {
     base: Base,
     facets: Microfacet,
     eta: f32,
@@ -134,35 +192,7 @@ struct Odds {
     reflect: f32,
 }
 
-impl Principled {
-    pub fn new(p: &PrincipledInput) -> Self {
-        let brdf = (1.0 - p.metallic) * (1.0 - p.spec_trans);
-        let [main, coat, diffuse] = p.rates;
-        let (coat, diffuse) = (0.25 * p.clearcoat * coat, brdf * diffuse);
-        let sum = main + coat + diffuse;
-        let inverse = if sum > 0.0 { 1.0 / sum } else { 0.0 };
-        let sheen_color = Rgb::ONE.lerp(tint(p.base_color), p.sheen_tint);
-        let sheen = if brdf > 0.0 { p.sheen } else { 0.0 };
-        Self {
-            base: Base {
-                color: p.base_color,
-                roughness: p.roughness,
-                flatness: p.flatness,
-                sheen: sheen_color * (sheen * (1.0 - p.metallic)),
-            },
-            facets: facets(p.roughness, p.anisotropic),
-            eta: if p.eta == 1.0 { 1.001 } else { p.eta },
-            metallic: p.metallic,
-            spec_tint: p.spec_tint,
-            clearcoat: p.clearcoat,
-            coat_alpha: 0.1 + (0.001 - 0.1) * p.clearcoat_gloss,
-            brdf,
-            bsdf: (1.0 - p.metallic) * p.spec_trans,
-            p_diffuse: diffuse * inverse,
-            p_coat: coat * inverse,
-        }
-    }
-
+impl PrincipledLobe {
     /// Probabilities of the lobes for Fresnel reflectance `r` at the facet; from the back only the
     /// interface is sampled.
     fn odds(&self, front: bool, r: f32) -> Odds {
@@ -275,7 +305,7 @@ impl Principled {
     }
 }
 
-impl Lobe for Principled {
+impl Lobe for PrincipledLobe {
     fn eval_pdf(&self, wo: Vec3, wi: Vec3, transport: Transport) -> (Rgb, f32) {
         let side = wo.z * wi.z;
         if side > 0.0 && (wo.z > 0.0 || self.bsdf > 0.0) {

@@ -1,28 +1,110 @@
 //! A rough interface between two dielectrics (Walter et al., "Microfacet Models for Refraction
 //! through Rough Surfaces", 2007), sampled by visible normals.
 
-use super::{GLOSSY_REFLECTION, GLOSSY_TRANSMISSION, Lobe, weighted};
-use crate::bsdf::fresnel::{dielectric, reflect, refract};
+use super::dielectric::DielectricLobe;
+use super::{GLOSSY_REFLECTION, GLOSSY_TRANSMISSION, Lobe, either_lobe, weighted};
+use crate::bsdf::fresnel::{dielectric, reflect, refract, sane_eta};
 use crate::bsdf::microfacet::Microfacet;
+use crate::bsdf::model::{Lookup, Model, Textures};
+use crate::bsdf::parameters::{Parameters, Roughness};
 use crate::bsdf::{BsdfSample, LobeFlags, Transport};
 use crate::math::{Rgb, Vec2, Vec3};
+use crate::texture::Texture;
+
+/// Rough dielectric interface (Walter et al. 2007).
+#[derive(Clone, Debug)]
+pub struct RoughDielectric {
+    /// Interior over exterior index of refraction.
+    pub eta: f32,
+    /// Microfacets.
+    pub roughness: Roughness,
+    /// Factor on reflection.
+    pub specular_reflectance: Texture,
+    /// Factor on transmission.
+    pub specular_transmittance: Texture,
+}
 
 /// Below this distance of eta from 1 the half vector of refraction, `wo + eta wi`, is lost in
 /// rounding while the refracted light deviates by less than a thousandth of the roughness: such an
 /// interface is resolved to a smooth one. Guarded by the test of extreme indices.
-pub(in crate::bsdf) const MIN_CONTRAST: f32 = 1e-3;
+const MIN_CONTRAST: f32 = 1e-3;
+
+impl Model for RoughDielectric {
+    type Lobe = RoughDielectricLobe;
+
+    fn read(p: &mut dyn Parameters) -> Result<Self, String> {
+        Ok(Self {
+            eta: p.relative_ior("bk7"),
+            specular_reflectance: p.reflectance("specular_reflectance", 1.0),
+            specular_transmittance: p.reflectance("specular_transmittance", 1.0),
+            roughness: p.roughness(),
+        })
+    }
+
+    fn lobe(&self, at: &Lookup) -> RoughDielectricLobe {
+        let eta = sane_eta(self.eta);
+        let reflectance = at.color(&self.specular_reflectance);
+        let transmittance = at.color(&self.specular_transmittance);
+        if (eta - 1.0).abs() < MIN_CONTRAST {
+            return RoughDielectricLobe::Smooth(DielectricLobe {
+                eta,
+                reflectance,
+                transmittance,
+            });
+        }
+        RoughDielectricLobe::Rough(Interface {
+            eta,
+            facets: at.facets(&self.roughness),
+            reflectance,
+            transmittance,
+        })
+    }
+
+    fn textures(&self) -> Textures<'_> {
+        Textures {
+            linear: vec![&self.specular_reflectance, &self.specular_transmittance],
+            nonlinear: vec![&self.roughness.alpha_u, &self.roughness.alpha_v],
+        }
+    }
+
+    fn is_anisotropic(&self) -> bool {
+        self.roughness.is_anisotropic()
+    }
+
+    fn refracts(&self) -> bool {
+        true
+    }
+
+    #[cfg(test)]
+    fn examples() -> Vec<(&'static str, Self)> {
+        use crate::bsdf::microfacet::Distribution::Ggx;
+        use crate::bsdf::tests::models::{beckmann, facets, glass};
+        vec![
+            ("rough_dielectric_beckmann", glass(1.5, beckmann(0.25))),
+            ("rough_dielectric_ggx", glass(1.33, facets(Ggx, 0.3, 0.6))),
+        ]
+    }
+}
+
+either_lobe! {
+    /// A rough interface, or the smooth one that it is where the indices hardly differ.
+    pub(in crate::bsdf) enum RoughDielectricLobe {
+        Rough(Interface),
+        Smooth(DielectricLobe),
+    }
+}
 
 /// A rough dielectric interface.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::bsdf) struct RoughDielectric {
+pub(in crate::bsdf) struct Interface {
     /// Interior over exterior index of refraction, at least [`MIN_CONTRAST`] away from 1.
-    pub eta: f32,
-    pub facets: Microfacet,
-    pub reflectance: Rgb,
-    pub transmittance: Rgb,
+    eta: f32,
+    facets: Microfacet,
+    reflectance: Rgb,
+    transmittance: Rgb,
 }
 
-impl RoughDielectric {
+impl Interface {
     /// Indices of the far side over the near side of `wo`, and the inverse.
     #[inline]
     fn relative(&self, wo: Vec3) -> (f32, f32) {
@@ -43,7 +125,7 @@ fn compression(inv_eta: f32, transport: Transport) -> f32 {
     }
 }
 
-impl Lobe for RoughDielectric {
+impl Lobe for Interface {
     fn eval_pdf(&self, wo: Vec3, wi: Vec3, transport: Transport) -> (Rgb, f32) {
         const NOTHING: (Rgb, f32) = (Rgb::ZERO, 0.0);
         if wo.z == 0.0 || wi.z == 0.0 {

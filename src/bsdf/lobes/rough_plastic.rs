@@ -3,16 +3,104 @@
 use super::{
     GLOSSY_REFLECTION, Lobe, cosine_pdf, mean, plastic::interreflected, sample_over_diffuse, share,
 };
-use crate::bsdf::fresnel::{dielectric, reflect};
+use crate::bsdf::fresnel::{dielectric, reflect, sane_eta};
 use crate::bsdf::microfacet::Microfacet;
+use crate::bsdf::model::{Lookup, Model, Textures};
+use crate::bsdf::parameters::{Parameters, Roughness};
 use crate::bsdf::transmittance::RoughTransmittance;
 use crate::bsdf::{BsdfSample, LobeFlags, Transport};
 use crate::math::{Rgb, Vec2, Vec3};
+use crate::texture::Texture;
 use std::f32::consts::FRAC_1_PI;
+
+/// Rough dielectric coat over a diffuse base.
+#[derive(Clone, Debug)]
+pub struct RoughPlastic {
+    /// Interior over exterior index of refraction.
+    pub eta: f32,
+    /// Microfacets of the coat (isotropic: `alpha_u` is used).
+    pub roughness: Roughness,
+    /// Reflectance of the base.
+    pub diffuse_reflectance: Texture,
+    /// Factor on the coat's reflection.
+    pub specular_reflectance: Texture,
+    /// Account for colour shifts by internal scattering.
+    pub nonlinear: bool,
+}
+
+impl Model for RoughPlastic {
+    type Lobe = RoughPlasticLobe;
+
+    fn read(p: &mut dyn Parameters) -> Result<Self, String> {
+        Ok(Self {
+            eta: p.relative_ior("polypropylene"),
+            diffuse_reflectance: p.reflectance("diffuse_reflectance", 0.5),
+            specular_reflectance: p.reflectance("specular_reflectance", 1.0),
+            nonlinear: p.boolean("nonlinear", false),
+            roughness: p.roughness(),
+        })
+    }
+
+    fn lobe(&self, at: &Lookup) -> RoughPlasticLobe {
+        let eta = sane_eta(self.eta);
+        let diffuse = at.color(&self.diffuse_reflectance);
+        let specular = at.color(&self.specular_reflectance);
+        let table = at.coat_table(&self.roughness, self.eta);
+        let base = interreflected(diffuse, 1.0 - table.internal_reflectance, self.nonlinear);
+        RoughPlasticLobe {
+            eta,
+            facets: at.coat(&self.roughness),
+            specular,
+            diffuse,
+            base: base * (FRAC_1_PI / (eta * eta)),
+            specular_weight: share(mean(specular), mean(diffuse)),
+            table,
+            part: Part::Both,
+        }
+    }
+
+    fn textures(&self) -> Textures<'_> {
+        let (base, coat) = (&self.diffuse_reflectance, &self.specular_reflectance);
+        let alpha = &self.roughness.alpha_u;
+        match self.nonlinear {
+            true => Textures {
+                linear: vec![coat],
+                nonlinear: vec![alpha, base],
+            },
+            false => Textures {
+                linear: vec![coat, base],
+                nonlinear: vec![alpha],
+            },
+        }
+    }
+
+    fn prepare(&self) -> Option<&'static RoughTransmittance> {
+        Some(self.roughness.coat_table(self.eta))
+    }
+
+    #[cfg(test)]
+    fn examples() -> Vec<(&'static str, Self)> {
+        use crate::bsdf::tests::models::{base, beckmann, ggx};
+        let example = |eta, roughness, nonlinear| Self {
+            eta,
+            roughness,
+            diffuse_reflectance: base(),
+            specular_reflectance: crate::bsdf::material::white(),
+            nonlinear,
+        };
+        vec![
+            (
+                "rough_plastic_beckmann",
+                example(1.49, beckmann(0.15), false),
+            ),
+            ("rough_plastic_ggx", example(1.7, ggx(0.4), true)),
+        ]
+    }
+}
 
 /// Rough plastic, Mitsuba 3's formulas.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::bsdf) struct RoughPlastic {
+pub(in crate::bsdf) struct RoughPlasticLobe {
     eta: f32,
     facets: Microfacet,
     specular: Rgb,
@@ -36,27 +124,7 @@ enum Part {
 /// variance times time of a kitchen for 0.25 and 0.02: 47.4, 49.9.)
 const LEAST_CHANCE: f32 = 0.25;
 
-impl RoughPlastic {
-    pub fn new(
-        eta: f32,
-        facets: Microfacet,
-        (diffuse, specular): (Rgb, Rgb),
-        nonlinear: bool,
-        table: &'static RoughTransmittance,
-    ) -> Self {
-        let base = interreflected(diffuse, 1.0 - table.internal_reflectance, nonlinear);
-        Self {
-            eta,
-            facets,
-            specular,
-            diffuse,
-            base: base * (FRAC_1_PI / (eta * eta)),
-            specular_weight: share(mean(specular), mean(diffuse)),
-            table,
-            part: Part::Both,
-        }
-    }
-
+impl RoughPlasticLobe {
     /// Transmittance towards `wo`, and the probability of sampling the coat.
     #[inline]
     fn choice(&self, wo: Vec3) -> (f32, f32) {
@@ -94,7 +162,7 @@ impl RoughPlastic {
     }
 }
 
-impl Lobe for RoughPlastic {
+impl Lobe for RoughPlasticLobe {
     fn eval_pdf(&self, wo: Vec3, wi: Vec3, _: Transport) -> (Rgb, f32) {
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return (Rgb::ZERO, 0.0);

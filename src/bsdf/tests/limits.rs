@@ -3,7 +3,7 @@
 use super::densities::directions;
 use super::models::{clear, diffuse, ggx, glass, grey, rgb};
 use super::{at_flat_point, of_material};
-use crate::bsdf::material::{Material, Roughness, WardVariant, white};
+use crate::bsdf::material::{Material, Phong, RoughDiffuse, Roughness, Ward, WardVariant, white};
 use crate::bsdf::{Bsdf, Materials, Transport};
 use crate::math::{Rgb, Vec2, Vec3};
 
@@ -43,7 +43,7 @@ fn same(a: &Bsdf, b: &Bsdf, tolerance: f32) {
 #[test]
 fn rough_diffuse_without_roughness_is_diffuse() {
     for fast_approx in [false, true] {
-        let rough = Material::RoughDiffuse {
+        let rough = RoughDiffuse {
             reflectance: rgb(0.2, 0.5, 0.8),
             alpha: grey(0.0),
             fast_approx,
@@ -60,7 +60,7 @@ fn rough_diffuse_without_roughness_is_diffuse() {
 /// there.
 #[test]
 fn rough_diffuse_at_normal_incidence() {
-    let rough = Material::RoughDiffuse {
+    let rough = RoughDiffuse {
         reflectance: grey(0.5),
         alpha: grey(0.3 * std::f32::consts::SQRT_2),
         fast_approx: false,
@@ -76,7 +76,7 @@ fn rough_diffuse_at_normal_incidence() {
 #[test]
 fn phong_reflects_its_specular_part() {
     for exponent in [1.0, 20.0, 200.0] {
-        let phong = Material::Phong {
+        let phong = Phong {
             diffuse_reflectance: rgb(0.3, 0.2, 0.0),
             specular_reflectance: grey(0.4),
             exponent: grey(exponent),
@@ -99,7 +99,7 @@ fn ward_reflects_its_specular_part() {
         WardVariant::Balanced,
     ] {
         for wo in [Vec3::Z, Vec3::new(0.5, 0.2, 0.8).normalize()] {
-            let ward = Material::Ward {
+            let ward = Ward {
                 variant,
                 diffuse_reflectance: grey(0.3),
                 specular_reflectance: grey(0.4),
@@ -119,7 +119,7 @@ fn ward_reflects_its_specular_part() {
 /// Too much reflectance is scaled to 0.99, as in Mitsuba 0.6.
 #[test]
 fn empirical_models_are_scaled_to_conserve() {
-    let phong = Material::Phong {
+    let phong = Phong {
         diffuse_reflectance: grey(0.9),
         specular_reflectance: grey(0.9),
         exponent: grey(30.0),
@@ -181,9 +181,9 @@ fn rough_glass_becomes_clear() {
     let wo = Vec3::new(0.6, 0.0, 0.8);
     for u_lobe in [0.0, 0.9] {
         let u = Vec2::new(0.5, 0.5);
-        let sample = |m| of_material(m, wo).sample(wo, u_lobe, u, Transport::Radiance);
-        let rough = sample(glass(1.5, ggx(1e-4))).expect("a sample");
-        let smooth = sample(clear(1.5)).expect("a sample");
+        let sample = |m: Material| of_material(m, wo).sample(wo, u_lobe, u, Transport::Radiance);
+        let rough = sample(glass(1.5, ggx(1e-4)).into()).expect("a sample");
+        let smooth = sample(clear(1.5).into()).expect("a sample");
         assert!((rough.wi - smooth.wi).length() < 1e-3);
         assert!((rough.weight - smooth.weight).abs().max_element() < 1e-3);
         assert_eq!(rough.eta, smooth.eta);

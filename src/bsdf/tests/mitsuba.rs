@@ -4,7 +4,7 @@
 use super::models::{facets, gold};
 use super::resolved;
 use crate::bsdf::diffuse_only::Form;
-use crate::bsdf::material::{Distribution, Turning};
+use crate::bsdf::material::{Distribution, InvalidNormals};
 use crate::bsdf::perturb::{Perturbation, bumped_normal};
 use crate::bsdf::tree::Node;
 use crate::bsdf::{Materials, Transport};
@@ -74,7 +74,7 @@ fn bump_maps_agree() {
             };
             let inner = tree.root();
             let root = tree.push(Node::Perturbed(
-                Perturbation::new(n, wo, Turning::default()),
+                Perturbation::new(n, wo, InvalidNormals::default()),
                 inner,
             ));
             tree.eval_pdf(root, wo, wi, Transport::Radiance)

@@ -10,7 +10,7 @@ mod energy;
 mod extremes;
 mod limits;
 mod mitsuba;
-mod models;
+pub(super) mod models;
 mod parts;
 mod statistics;
 mod structure;
@@ -28,7 +28,7 @@ fn resolved(name: &str, wo: Vec3) -> Bsdf {
 }
 
 /// A material that names no other, there.
-fn of_material(material: Material, wo: Vec3) -> Bsdf {
+fn of_material(material: impl Into<Material>, wo: Vec3) -> Bsdf {
     let mut materials = Materials::default();
     let id = materials.push(material);
     at_flat_point(&materials, id, wo)

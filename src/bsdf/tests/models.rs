@@ -1,27 +1,28 @@
-//! The models under test, by name: those of `tests/vectors/bsdf.py`, which Mitsuba can be asked
-//! about, and those that only exist here and in Mitsuba 0.6.
+//! The models under test, by name: the examples that stand beside each model, and materials around
+//! them. Those of `tests/vectors/bsdf.py` Mitsuba can be asked about.
 
 use crate::bsdf::material::{
-    Distribution, Material, MetallicRoughness, Principled, PrincipledThin, Roughness, Turning,
-    WardVariant, white,
+    Dielectric, Diffuse, Distribution, InvalidNormals, Material, MetallicRoughness, Plastic,
+    Principled, RoughConductor, RoughDielectric, Roughness, white,
 };
 use crate::bsdf::{MaterialId, Materials};
 use crate::math::Rgb;
 use crate::texture::Texture;
+use std::sync::LazyLock;
 
-pub(super) fn grey(v: f32) -> Texture {
+pub(in crate::bsdf) fn grey(v: f32) -> Texture {
     Texture::Constant(Rgb::splat(v))
 }
 
-pub(super) fn rgb(r: f32, g: f32, b: f32) -> Texture {
+pub(in crate::bsdf) fn rgb(r: f32, g: f32, b: f32) -> Texture {
     Texture::Constant(Rgb::new(r, g, b))
 }
 
-fn base() -> Texture {
+pub(in crate::bsdf) fn base() -> Texture {
     rgb(0.7, 0.4, 0.1)
 }
 
-pub(super) fn facets(distribution: Distribution, u: f32, v: f32) -> Roughness {
+pub(in crate::bsdf) fn facets(distribution: Distribution, u: f32, v: f32) -> Roughness {
     Roughness {
         distribution,
         alpha_u: grey(u),
@@ -29,16 +30,16 @@ pub(super) fn facets(distribution: Distribution, u: f32, v: f32) -> Roughness {
     }
 }
 
-pub(super) fn beckmann(alpha: f32) -> Roughness {
+pub(in crate::bsdf) fn beckmann(alpha: f32) -> Roughness {
     facets(Distribution::Beckmann, alpha, alpha)
 }
 
-pub(super) fn ggx(alpha: f32) -> Roughness {
+pub(in crate::bsdf) fn ggx(alpha: f32) -> Roughness {
     facets(Distribution::Ggx, alpha, alpha)
 }
 
-pub(super) fn gold(roughness: Roughness) -> Material {
-    Material::RoughConductor {
+pub(in crate::bsdf) fn gold(roughness: Roughness) -> RoughConductor {
+    RoughConductor {
         eta: rgb(0.143, 0.375, 1.442),
         k: rgb(3.983, 2.386, 1.603),
         roughness,
@@ -46,8 +47,8 @@ pub(super) fn gold(roughness: Roughness) -> Material {
     }
 }
 
-pub(super) fn glass(eta: f32, roughness: Roughness) -> Material {
-    Material::RoughDielectric {
+pub(in crate::bsdf) fn glass(eta: f32, roughness: Roughness) -> RoughDielectric {
+    RoughDielectric {
         eta,
         roughness,
         specular_reflectance: white(),
@@ -55,22 +56,22 @@ pub(super) fn glass(eta: f32, roughness: Roughness) -> Material {
     }
 }
 
-pub(super) fn clear(eta: f32) -> Material {
-    Material::Dielectric {
+pub(in crate::bsdf) fn clear(eta: f32) -> Dielectric {
+    Dielectric {
         eta,
         specular_reflectance: white(),
         specular_transmittance: white(),
     }
 }
 
-pub(super) fn diffuse() -> Material {
-    Material::Diffuse {
+pub(in crate::bsdf) fn diffuse() -> Diffuse {
+    Diffuse {
         reflectance: rgb(0.2, 0.5, 0.8),
     }
 }
 
-pub(super) fn plastic(nonlinear: bool) -> Material {
-    Material::Plastic {
+pub(in crate::bsdf) fn plastic(nonlinear: bool) -> Plastic {
+    Plastic {
         eta: 1.49,
         diffuse_reflectance: base(),
         specular_reflectance: white(),
@@ -78,18 +79,8 @@ pub(super) fn plastic(nonlinear: bool) -> Material {
     }
 }
 
-fn rough_plastic(eta: f32, roughness: Roughness, nonlinear: bool) -> Material {
-    Material::RoughPlastic {
-        eta,
-        roughness,
-        diffuse_reflectance: base(),
-        specular_reflectance: white(),
-        nonlinear,
-    }
-}
-
 /// The principled model with everything optional off.
-fn principled(roughness: f32, eta: f32) -> Principled {
+pub(in crate::bsdf) fn principled(roughness: f32, eta: f32) -> Principled {
     let off = || grey(0.0);
     Principled {
         base_color: base(),
@@ -110,43 +101,12 @@ fn principled(roughness: f32, eta: f32) -> Principled {
     }
 }
 
-fn principled_by(roughness: f32, eta: f32, change: impl FnOnce(&mut Principled)) -> Material {
-    let mut p = principled(roughness, eta);
-    change(&mut p);
-    Material::Principled(Box::new(p))
-}
-
-pub(super) fn metallic_roughness(roughness: f32, metallic: f32) -> Material {
-    Material::MetallicRoughness(Box::new(MetallicRoughness {
+pub(in crate::bsdf) fn metallic_roughness(roughness: f32, metallic: f32) -> MetallicRoughness {
+    MetallicRoughness {
         base_color: base(),
         metallic: grey(metallic),
         roughness: grey(roughness),
         eta: 1.5,
-    }))
-}
-
-fn sheet() -> Material {
-    Material::PrincipledThin(Box::new(PrincipledThin {
-        base_color: base(),
-        roughness: grey(0.5),
-        anisotropic: grey(0.4),
-        spec_trans: grey(0.6),
-        eta: grey(1.4),
-        spec_tint: grey(0.3),
-        sheen: grey(0.5),
-        sheen_tint: grey(0.5),
-        flatness: grey(0.4),
-        diff_trans: grey(0.7),
-    }))
-}
-
-fn ward(variant: WardVariant) -> Material {
-    Material::Ward {
-        variant,
-        diffuse_reflectance: rgb(0.3, 0.2, 0.1),
-        specular_reflectance: grey(0.4),
-        alpha_u: grey(0.2),
-        alpha_v: grey(0.35),
     }
 }
 
@@ -171,84 +131,12 @@ fn rough_coating(inner: MaterialId) -> Material {
     }
 }
 
-/// Models that stand by themselves.
-fn single(name: &str) -> Option<Material> {
-    use Distribution::{Beckmann, Ggx};
-    Some(match name {
-        "diffuse" => diffuse(),
-        "rough_conductor_beckmann" => gold(beckmann(0.2)),
-        "rough_conductor_ggx" => gold(ggx(0.3)),
-        "rough_conductor_anisotropic" => gold(facets(Ggx, 0.15, 0.5)),
-        "rough_conductor_beckmann_anisotropic" => gold(facets(Beckmann, 0.4, 0.1)),
-        "rough_dielectric_beckmann" => glass(1.5, beckmann(0.25)),
-        "rough_dielectric_ggx" => glass(1.33, facets(Ggx, 0.3, 0.6)),
-        "plastic" => plastic(false),
-        "plastic_nonlinear" => plastic(true),
-        "rough_plastic_beckmann" => rough_plastic(1.49, beckmann(0.15), false),
-        "rough_plastic_ggx" => rough_plastic(1.7, ggx(0.4), true),
-        "principled_metal" => principled_by(0.4, 1.5, |p| {
-            p.anisotropic = grey(0.6);
-            p.metallic = grey(0.7);
-            p.spec_tint = grey(0.4);
-            p.clearcoat = grey(0.6);
-            p.clearcoat_gloss = grey(0.3);
-        }),
-        "principled_cloth" => principled_by(0.7, 1.4, |p| {
-            p.sheen = grey(0.8);
-            p.sheen_tint = grey(0.5);
-            p.flatness = grey(0.6);
-        }),
-        "principled_glass" => principled_by(0.5, 1.5, |p| {
-            p.spec_trans = grey(0.8);
-            p.metallic = grey(0.1);
-            p.spec_tint = grey(0.3);
-        }),
-        "principled_thin" => sheet(),
-        "metallic_roughness" => metallic_roughness(0.4, 0.3),
-        "metallic_roughness_dielectric" => metallic_roughness(0.7, 0.0),
-        _ => return mirror_like(name),
-    })
-}
-
-/// Models with delta parts, and those of Mitsuba 0.6.
-fn mirror_like(name: &str) -> Option<Material> {
-    Some(match name {
-        "dielectric" => clear(1.5),
-        "thin_dielectric" => Material::ThinDielectric {
-            eta: 1.5,
-            specular_reflectance: white(),
-            specular_transmittance: white(),
-        },
-        "conductor" => Material::Conductor {
-            eta: rgb(0.143, 0.375, 1.442),
-            k: rgb(3.983, 2.386, 1.603),
-            specular_reflectance: white(),
-        },
-        "null" => Material::Null,
-        "rough_diffuse" | "rough_diffuse_fast" => Material::RoughDiffuse {
-            reflectance: rgb(0.2, 0.5, 0.8),
-            alpha: grey(0.5),
-            fast_approx: name == "rough_diffuse_fast",
-        },
-        "diffuse_transmitter" => Material::DiffuseTransmitter {
-            transmittance: rgb(0.2, 0.5, 0.8),
-        },
-        "phong" => Material::Phong {
-            diffuse_reflectance: rgb(0.3, 0.2, 0.1),
-            specular_reflectance: grey(0.4),
-            exponent: grey(20.0),
-        },
-        "ward" => ward(WardVariant::Ward),
-        "ward_duer" => ward(WardVariant::WardDuer),
-        "ward_balanced" => ward(WardVariant::Balanced),
-        _ => return None,
-    })
-}
+static EXAMPLES: LazyLock<Vec<(&str, Material)>> = LazyLock::new(Material::examples);
 
 /// Adds the named model and everything inside it.
 pub(super) fn add(materials: &mut Materials, name: &str) -> MaterialId {
-    if let Some(material) = single(name) {
-        return materials.push(material);
+    if let Some((_, material)) = EXAMPLES.iter().find(|(n, _)| *n == name) {
+        return materials.push(material.clone());
     }
     let mut inner = |name: &str| add(materials, name);
     let material = match name {
@@ -266,7 +154,7 @@ pub(super) fn add(materials: &mut Materials, name: &str) -> MaterialId {
         },
         "normal_map" => Material::NormalMap {
             normals: rgb(0.65, 0.42, 0.9),
-            turning: Turning::default(),
+            invalid_normals: InvalidNormals::default(),
             inner: inner("rough_conductor_anisotropic"),
         },
         "two_sided" => {
@@ -289,42 +177,32 @@ pub(super) fn add(materials: &mut Materials, name: &str) -> MaterialId {
     materials.push(material)
 }
 
-/// Every model with a smooth part.
-pub(super) const SMOOTH: [&str; 33] = [
-    "diffuse",
-    "rough_diffuse",
-    "rough_diffuse_fast",
-    "diffuse_transmitter",
-    "rough_conductor_beckmann",
-    "rough_conductor_ggx",
-    "rough_conductor_anisotropic",
-    "rough_conductor_beckmann_anisotropic",
-    "rough_dielectric_beckmann",
-    "rough_dielectric_ggx",
-    "plastic",
-    "plastic_nonlinear",
-    "rough_plastic_beckmann",
-    "rough_plastic_ggx",
-    "phong",
-    "ward",
-    "ward_duer",
-    "ward_balanced",
-    "principled_metal",
-    "principled_cloth",
-    "principled_glass",
-    "principled_thin",
-    "metallic_roughness",
-    "metallic_roughness_dielectric",
-    "blend",
-    "mixture",
-    "normal_map",
-    "two_sided",
-    "two_sided_nest",
-    "coating",
-    "coated_diffuse",
-    "rough_coating",
-    "rough_coated_diffuse",
-];
+/// The examples that scatter to more than a few discrete directions, or the others.
+fn examples(scattering: bool) -> impl Iterator<Item = &'static str> {
+    let scatters = |m: &Material| m.model().is_some_and(|m| m.scatters());
+    let chosen = EXAMPLES
+        .iter()
+        .filter(move |(_, m)| scatters(m) == scattering);
+    chosen.map(|(name, _)| *name)
+}
 
-/// Models of delta parts alone.
-pub(super) const DELTA: [&str; 4] = ["dielectric", "thin_dielectric", "conductor", "null"];
+/// Everything with a smooth part.
+pub(super) fn smooth() -> Vec<&'static str> {
+    let around = [
+        "blend",
+        "mixture",
+        "normal_map",
+        "two_sided",
+        "two_sided_nest",
+        "coating",
+        "coated_diffuse",
+        "rough_coating",
+        "rough_coated_diffuse",
+    ];
+    examples(true).chain(around).collect()
+}
+
+/// Everything, models of delta parts alone included.
+pub(super) fn all() -> Vec<&'static str> {
+    [smooth(), examples(false).collect()].concat()
+}

@@ -2,7 +2,7 @@
 
 use super::models::{self, add, diffuse, grey, rgb};
 use super::{at_flat_point, resolved};
-use crate::bsdf::material::{Material, white};
+use crate::bsdf::material::{Diffuse, Material, white};
 use crate::bsdf::{LobeFlags, Materials, Transport};
 use crate::math::{Frame, Pcg32, Rgb, Vec2, Vec3};
 use crate::texture::SurfacePoint;
@@ -10,10 +10,10 @@ use crate::texture::SurfacePoint;
 #[test]
 fn two_sided_materials_show_the_side_they_are_seen_from() {
     let mut materials = Materials::default();
-    let front = materials.push(Material::Diffuse {
+    let front = materials.push(Diffuse {
         reflectance: rgb(1.0, 0.0, 0.0),
     });
-    let back = materials.push(Material::Diffuse {
+    let back = materials.push(Diffuse {
         reflectance: rgb(0.0, 1.0, 0.0),
     });
     let id = materials.push(Material::TwoSided { front, back });
@@ -195,7 +195,7 @@ fn glass_compresses_radiance_and_not_power() {
 #[test]
 fn mixtures_weigh_their_parts() {
     let mut materials = Materials::default();
-    let a = materials.push(Material::Diffuse {
+    let a = materials.push(Diffuse {
         reflectance: white(),
     });
     let light = materials.push(Material::Mixture {
@@ -223,7 +223,7 @@ fn a_delta_lobe_and_the_rest_are_all_lobes() {
     let wo = Vec3::new(0.5, 0.1, 0.8).normalize();
     let u = Vec2::new(0.3, 0.6);
     let mut apart = 0;
-    for name in models::SMOOTH.into_iter().chain(models::DELTA) {
+    for name in models::all() {
         let bsdf = resolved(name, wo);
         let Some(parts) = bsdf.split_delta(wo, Transport::Radiance) else {
             continue;

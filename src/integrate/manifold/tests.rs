@@ -6,6 +6,7 @@ use super::newton::{curved, solve};
 use super::ray_differential::RayDifferential;
 use super::receiver::Receiver;
 use crate::accel::{AnalyticKind, AnalyticShape, Backend, BuildSettings, Hit, Ray};
+use crate::bsdf::material::{Conductor, Dielectric, Diffuse};
 use crate::bsdf::{LobeFlags, Material, MaterialId, Materials};
 use crate::light::{Emitter, SunSky};
 use crate::math::{Affine3A, Rgb, Vec3};
@@ -77,17 +78,17 @@ fn grey(value: f32) -> Texture {
 }
 
 fn mirror() -> Material {
-    Material::Conductor {
+    Material::Conductor(Conductor {
         eta: grey(0.0),
         k: grey(1.0),
         specular_reflectance: grey(1.0),
-    }
+    })
 }
 
 /// A floor, y = 0, and over it a cylinder that is a mirror, in the sun.
 fn floor_and_mirror() -> Scene {
     let mut materials = Materials::default();
-    let matt = materials.push(Material::Diffuse {
+    let matt = materials.push(Diffuse {
         reflectance: grey(0.5),
     });
     let mirror = materials.push(mirror());
@@ -192,7 +193,7 @@ fn a_seed_follows_the_suns_image_in_a_cylinder() {
 /// A ball of glass that is wider than long, and behind it a cylinder that is a mirror.
 fn glass_and_mirror() -> Scene {
     let mut materials = Materials::default();
-    let glass = materials.push(Material::Dielectric {
+    let glass = materials.push(Dielectric {
         eta: 1.5,
         specular_reflectance: grey(1.0),
         specular_transmittance: grey(1.0),

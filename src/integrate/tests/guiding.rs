@@ -1,6 +1,6 @@
 //! Where the field may speak for a surface.
 
-use crate::bsdf::material::{Distribution, Roughness};
+use crate::bsdf::material::{Diffuse, Distribution, Plastic, RoughConductor, Roughness};
 use crate::bsdf::{Material, Materials, Rest, Transport};
 use crate::integrate::guiding::is_matt;
 use crate::math::{Rgb, Vec2, Vec3};
@@ -22,7 +22,7 @@ fn matt_beside(material: Material, delta: bool) -> bool {
 
 fn metal(alpha: f32) -> Material {
     let grey = |v| Texture::Constant(Rgb::splat(v));
-    Material::RoughConductor {
+    Material::RoughConductor(RoughConductor {
         eta: grey(0.2),
         k: grey(3.9),
         roughness: Roughness {
@@ -31,24 +31,26 @@ fn metal(alpha: f32) -> Material {
             alpha_v: grey(alpha),
         },
         specular_reflectance: grey(1.0),
-    }
+    })
 }
 
 /// Irradiance says what a wall reflects, not what a floor mirrors.
 #[test]
 fn irradiance_speaks_for_matt_surfaces_alone() {
-    let wall = Material::Diffuse {
+    let wall = Material::Diffuse(Diffuse {
         reflectance: Texture::Constant(Rgb::splat(0.5)),
-    };
+    });
     assert!(matt(wall));
     assert!(matt(metal(0.7)));
     assert!(!matt(metal(0.1)));
     let grey = |v| Texture::Constant(Rgb::splat(v));
-    let varnish = || Material::Plastic {
-        eta: 1.5,
-        diffuse_reflectance: grey(0.5),
-        specular_reflectance: grey(1.0),
-        nonlinear: false,
+    let varnish = || {
+        Material::Plastic(Plastic {
+            eta: 1.5,
+            diffuse_reflectance: grey(0.5),
+            specular_reflectance: grey(1.0),
+            nonlinear: false,
+        })
     };
     assert!(!matt(varnish()));
     assert!(matt_beside(varnish(), true));

@@ -2,7 +2,7 @@
 
 use super::{Sky, Studio, facing};
 use crate::accel::{AnalyticKind, AnalyticShape, Bounds};
-use crate::bsdf::Material;
+use crate::bsdf::material::Diffuse;
 use crate::camera::CameraDescription;
 use crate::light::{Emitter, SunSky};
 use crate::math::{Affine3A, DVec3, Rgb, Vec3};
@@ -134,9 +134,7 @@ impl Studio {
         let sin2 = KEY_RADIUS.powi(2) / (KEY_RADIUS.powi(2) + KEY_DISTANCE.powi(2));
         let radiance = Texture::Constant(Rgb::splat(KEY / (PI * sin2)));
         let black = Texture::Constant(Rgb::ZERO);
-        let material = parts
-            .materials
-            .push(Material::Diffuse { reflectance: black });
+        let material = parts.materials.push(Diffuse { reflectance: black });
         let shape = parts.shapes.len() as u32;
         parts.emitters.push(Emitter::Area {
             shape,

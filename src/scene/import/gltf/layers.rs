@@ -117,12 +117,12 @@ impl Importer<'_> {
         let Some(Metal { share, color }) = &core.metal else {
             return base;
         };
-        let metal = self.push(Material::MetallicRoughness(Box::new(MetallicRoughness {
+        let metal = self.push(MetallicRoughness {
             base_color: color.clone(),
             metallic: number(1.0),
             roughness: core.roughness.clone(),
             eta: 1.5,
-        })));
+        });
         if share.constant() == Some(Rgb::ONE) {
             return metal;
         }
@@ -249,16 +249,16 @@ fn coating(alpha: f32, inner: MaterialId) -> Material {
 }
 
 fn metallic_roughness(core: &Core, eta: f32) -> Material {
-    Material::MetallicRoughness(Box::new(MetallicRoughness {
+    Material::from(MetallicRoughness {
         base_color: core.color.clone(),
         metallic: core.metallic.clone(),
         roughness: core.roughness.clone(),
         eta,
-    }))
+    })
 }
 
 fn principled(core: &Core, spec_trans: Texture, eta: f32, sheen: f32) -> Material {
-    Material::Principled(Box::new(Principled {
+    Material::from(Principled {
         base_color: core.color.clone(),
         roughness: core.roughness.clone(),
         anisotropic: number(0.0),
@@ -274,11 +274,11 @@ fn principled(core: &Core, spec_trans: Texture, eta: f32, sheen: f32) -> Materia
         main_specular_sampling_rate: 1.0,
         clearcoat_sampling_rate: 1.0,
         diffuse_reflectance_sampling_rate: 1.0,
-    }))
+    })
 }
 
 fn thin(core: &Core, spec_trans: Texture, sheen: f32) -> Material {
-    Material::PrincipledThin(Box::new(PrincipledThin {
+    Material::from(PrincipledThin {
         base_color: core.color.clone(),
         roughness: core.roughness.clone(),
         anisotropic: number(0.0),
@@ -289,7 +289,7 @@ fn thin(core: &Core, spec_trans: Texture, sheen: f32) -> Material {
         sheen_tint: number(0.0),
         flatness: number(0.0),
         diff_trans: number(0.0),
-    }))
+    })
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ use super::primitive::{ALPHA, COLOR};
 use super::schema::{self, TextureInfo};
 use super::textures::{Use, bent_normals, uv_set};
 use super::{Importer, error};
-use crate::bsdf::material::Turning;
+use crate::bsdf::material::{Diffuse, InvalidNormals};
 use crate::bsdf::{Material, MaterialId};
 use crate::math::Rgb;
 use crate::scene::import::ImportError;
@@ -151,7 +151,7 @@ impl Importer<'_> {
         let unlit = Extension::of(&material.extensions, "KHR_materials_unlit").is_some();
         let (base, transmits) = if unlit {
             let reflectance = core.color;
-            (self.push(Material::Diffuse { reflectance }), false)
+            (self.push(Diffuse { reflectance }), false)
         } else {
             self.body(material, core, of)?
         };
@@ -162,7 +162,7 @@ impl Importer<'_> {
                 let normals = bent_normals(normals, scale, variant.mirrored);
                 id = self.push(Material::NormalMap {
                     normals,
-                    turning: Turning::default(),
+                    invalid_normals: InvalidNormals::default(),
                     inner: id,
                 });
             }
@@ -193,7 +193,7 @@ impl Importer<'_> {
         Ok(self.push(Material::Mask { opacity, inner: id }))
     }
 
-    pub(super) fn push(&mut self, material: Material) -> MaterialId {
+    pub(super) fn push(&mut self, material: impl Into<Material>) -> MaterialId {
         self.parts.materials.push(material)
     }
 

@@ -4,7 +4,7 @@ use super::importer::Importer;
 use super::params::Params;
 use super::role::Role;
 use super::value;
-use crate::bsdf::material::Turning;
+use crate::bsdf::material::{InvalidNormals, Parameters};
 use crate::bsdf::{Material, MaterialId};
 use crate::scene::import::ImportError;
 use crate::texture::Texture;
@@ -51,7 +51,8 @@ impl<'a> Importer<'a> {
             [front, back] => (front, back),
             _ => return Err(p.error("\"twosided\" needs one or two <bsdf>s inside")),
         };
-        if self.transmits(front) || self.transmits(back) {
+        let transmits = |id| self.materials.any(id, &Material::transmits);
+        if transmits(front) || transmits(back) {
             return Err(self.document.error_help(
                 p.at(),
                 "\"twosided\" is for materials that light cannot pass through",
@@ -59,30 +60,6 @@ impl<'a> Importer<'a> {
             ));
         }
         Ok(Material::TwoSided { front, back })
-    }
-
-    /// Whether light can pass through a material. Inner materials were made before those around
-    /// them, so this ends.
-    fn transmits(&self, id: MaterialId) -> bool {
-        match self.materials.get(id) {
-            Material::Dielectric { .. }
-            | Material::ThinDielectric { .. }
-            | Material::RoughDielectric { .. }
-            | Material::PrincipledThin(_)
-            | Material::DiffuseTransmitter { .. }
-            | Material::Null
-            | Material::Mask { .. } => true,
-            Material::Principled(principled) => !is_black(&principled.spec_trans),
-            Material::BumpMap { inner, .. }
-            | Material::NormalMap { inner, .. }
-            | Material::Coating { inner, .. }
-            | Material::RoughCoating { inner, .. } => self.transmits(*inner),
-            Material::Blend { first, second, .. } => {
-                self.transmits(*first) || self.transmits(*second)
-            }
-            Material::Mixture { parts } => parts.iter().any(|(_, id)| self.transmits(*id)),
-            _ => false,
-        }
     }
 
     /// The parameter `name`, be it a texture, a spectrum or a colour; or the nested texture,
@@ -102,11 +79,11 @@ impl<'a> Importer<'a> {
     }
 
     /// What is done about normals that are turned too far.
-    fn turning(&self, p: &Params<'a>) -> Turning {
-        let default = Turning::default();
-        Turning {
-            mirrors: p.boolean("flip_invalid_normals", default.mirrors),
-            shadows: p.boolean("use_shadowing_function", default.shadows),
+    fn invalid_normals(&self, p: &Params<'a>) -> InvalidNormals {
+        let default = InvalidNormals::default();
+        InvalidNormals {
+            flip: p.boolean("flip_invalid_normals", default.flip),
+            shadow: p.boolean("use_shadowing_function", default.shadow),
         }
     }
 
@@ -114,7 +91,7 @@ impl<'a> Importer<'a> {
         Ok(Material::BumpMap {
             displacement: self.nested_texture(p, "displacement")?,
             scale: p.float("scale", 1.0) as f32,
-            turning: self.turning(p),
+            invalid_normals: self.invalid_normals(p),
             inner: self.inner(p)?,
         })
     }
@@ -122,7 +99,7 @@ impl<'a> Importer<'a> {
     fn normal_map(&mut self, p: &Params<'a>) -> Result<Material, ImportError> {
         Ok(Material::NormalMap {
             normals: self.nested_texture(p, "normalmap")?,
-            turning: self.turning(p),
+            invalid_normals: self.invalid_normals(p),
             inner: self.inner(p)?,
         })
     }
@@ -174,10 +151,10 @@ impl<'a> Importer<'a> {
     }
 
     fn coating(&mut self, p: &Params<'a>) -> Result<Material, ImportError> {
-        let eta = self.relative_ior(p, "bk7");
+        let eta = self.asking(p).relative_ior("bk7");
         let thickness = p.float_in("thickness", 1.0, 0.0..=f64::from(f32::MAX)) as f32;
         let sigma_a = self.texture(p, "sigma_a", 0.0, Role::Number);
-        let specular_reflectance = self.specular(p);
+        let specular_reflectance = self.texture(p, "specular_reflectance", 1.0, Role::Reflectance);
         if p.plugin() == "coating" {
             return Ok(Material::Coating {
                 eta,
@@ -189,15 +166,11 @@ impl<'a> Importer<'a> {
         }
         Ok(Material::RoughCoating {
             eta,
-            roughness: self.roughness(p),
+            roughness: self.asking(p).roughness(),
             thickness,
             sigma_a,
             specular_reflectance,
             inner: self.inner(p)?,
         })
     }
-}
-
-fn is_black(texture: &Texture) -> bool {
-    texture.constant().is_some_and(|c| c.max_element() <= 0.0)
 }

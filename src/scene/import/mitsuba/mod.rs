@@ -14,6 +14,7 @@
 //! is odd (a parameter nobody knows) is a warning in [`Description::warnings`].
 
 mod attributes;
+mod bsdf_parameters;
 mod bsdfs;
 mod bsdfs_nested;
 mod defines;

@@ -1,5 +1,8 @@
 //! Names: one spelling for both dialects, known plugins, and the nearest name to a misspelt one.
 
+use crate::bsdf::Material;
+use std::sync::LazyLock;
+
 /// Names of a parameter in one spelling: Mitsuba 0.x writes `toWorld` and `intIOR`, Mitsuba 3
 /// `to_world` and `int_ior`. An underscore goes in where a capital follows a small letter or digit;
 /// everything becomes lower case.
@@ -44,12 +47,8 @@ pub(super) const OBJECTS: &[(&str, &[&str])] = &[
         "obj", "ply", "serialized", "rectangle", "cube", "sphere", "disk", "cylinder", "shapegroup",
         "instance", "merge",
     ]),
-    ("bsdf", &[
-        "diffuse", "roughdiffuse", "dielectric", "thindielectric", "roughdielectric", "conductor",
-        "roughconductor", "plastic", "roughplastic", "phong", "ward", "principled", "principledthin",
-        "mask", "twosided", "bumpmap", "normalmap", "blendbsdf", "mixturebsdf", "coating",
-        "roughcoating", "difftrans", "null", "lambertian",
-    ]),
+    // Beside those of `Material::plugins`.
+    ("bsdf", &["lambertian"]),
     ("emitter", &[
         "area", "point", "spot", "directional", "constant", "envmap", "sun", "sky", "sunsky",
         "projector", "directionalarea",
@@ -82,6 +81,15 @@ pub(super) const PARAMETERS: &[&str] = &[
 
 /// Plugins known for an element; `None` if the element makes no object.
 pub(super) fn plugins(tag: &str) -> Option<&'static [&'static str]> {
+    static BSDFS: LazyLock<Vec<&str>> =
+        LazyLock::new(|| [&Material::plugins(), listed("bsdf").unwrap_or_default()].concat());
+    match tag {
+        "bsdf" => Some(&BSDFS),
+        _ => listed(tag),
+    }
+}
+
+fn listed(tag: &str) -> Option<&'static [&'static str]> {
     OBJECTS.iter().find(|(t, _)| *t == tag).map(|(_, p)| *p)
 }
 

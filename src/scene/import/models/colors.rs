@@ -1,6 +1,7 @@
 //! Colours that mesh files bring along: of vertices, of faces, and images that PLY files name.
 
 use super::{linear, palette};
+use crate::bsdf::material::Diffuse;
 use crate::bsdf::{Material, MaterialId};
 use crate::math::Rgb;
 use crate::scene::Mesh;
@@ -98,7 +99,7 @@ pub(super) fn painted(image: Texture, colored: bool, parts: &mut Parts) -> Mater
         true => image.times(Texture::MeshAttribute(palette::VERTEX_COLOR.into())),
         false => image,
     };
-    let id = parts.materials.push(Material::Diffuse { reflectance });
+    let id = parts.materials.push(Diffuse { reflectance });
     parts.materials.push(Material::TwoSided {
         front: id,
         back: id,

@@ -2,7 +2,10 @@
 
 use super::linear;
 use super::numbers::numbers;
-use crate::bsdf::material::{Distribution, Principled, Roughness, white};
+use crate::bsdf::material::{
+    Conductor, Dielectric, Diffuse, Distribution, Principled, RoughConductor, RoughDielectric,
+    RoughPlastic, Roughness, white,
+};
 use crate::bsdf::{Material, MaterialId, Materials};
 use crate::math::Rgb;
 use crate::scene::import::ior;
@@ -59,27 +62,24 @@ impl Paint {
         let material = match self.name.as_str() {
             "glass" => dielectric(1.5, tint()),
             "water" => dielectric(1.333, tint()),
-            "frosted" => Material::RoughDielectric {
+            "frosted" => Material::RoughDielectric(RoughDielectric {
                 eta: 1.5,
                 roughness: rough(ALPHA),
                 specular_reflectance: white(),
                 specular_transmittance: tint(),
-            },
+            }),
             "mirror" => mirror(tint()),
             "metal" => metallic(color([0.75, 0.75, 0.76])),
             "plastic" => plastic(color([0.25, 0.45, 0.7])),
-            "matte" => Material::Diffuse {
+            "matte" => Material::Diffuse(Diffuse {
                 reflectance: color([0.8, 0.8, 0.8]),
-            },
-            "clay" => Material::Diffuse {
+            }),
+            "clay" => Material::Diffuse(Diffuse {
                 reflectance: color([0.62, 0.56, 0.5]),
-            },
+            }),
             metal => conductor(metal, tint()),
         };
-        let opaque = !matches!(
-            material,
-            Material::Dielectric { .. } | Material::RoughDielectric { .. }
-        );
+        let opaque = !material.transmits();
         let id = materials.push(material);
         if !opaque {
             return id;
@@ -141,19 +141,19 @@ fn rough(alpha: f32) -> Roughness {
 }
 
 fn dielectric(eta: f32, specular_transmittance: Texture) -> Material {
-    Material::Dielectric {
+    Material::Dielectric(Dielectric {
         eta,
         specular_reflectance: white(),
         specular_transmittance,
-    }
+    })
 }
 
 fn mirror(specular_reflectance: Texture) -> Material {
-    Material::Conductor {
+    Material::Conductor(Conductor {
         eta: Texture::Constant(Rgb::ZERO),
         k: Texture::Constant(Rgb::ONE),
         specular_reflectance,
-    }
+    })
 }
 
 fn conductor(name: &str, specular_reflectance: Texture) -> Material {
@@ -161,22 +161,22 @@ fn conductor(name: &str, specular_reflectance: Texture) -> Material {
     let Some((eta, k)) = ior::conductor(symbol) else {
         return mirror(specular_reflectance);
     };
-    Material::RoughConductor {
+    Material::RoughConductor(RoughConductor {
         eta: Texture::Constant(eta),
         k: Texture::Constant(k),
         roughness: rough(ALPHA),
         specular_reflectance,
-    }
+    })
 }
 
 fn plastic(diffuse_reflectance: Texture) -> Material {
-    Material::RoughPlastic {
+    Material::RoughPlastic(RoughPlastic {
         eta: 1.5,
         roughness: rough(0.08),
         diffuse_reflectance,
         specular_reflectance: white(),
         nonlinear: false,
-    }
+    })
 }
 
 fn metallic(base_color: Texture) -> Material {
@@ -192,7 +192,7 @@ pub(super) fn principled(
     eta: f32,
 ) -> Material {
     let zero = || Texture::Constant(Rgb::ZERO);
-    Material::Principled(Box::new(Principled {
+    Material::from(Principled {
         base_color,
         roughness,
         anisotropic: zero(),
@@ -208,7 +208,7 @@ pub(super) fn principled(
         main_specular_sampling_rate: 1.0,
         clearcoat_sampling_rate: 1.0,
         diffuse_reflectance_sampling_rate: 1.0,
-    }))
+    })
 }
 
 #[cfg(test)]
@@ -234,7 +234,7 @@ mod tests {
             let mut materials = Materials::default();
             paint.parse::<Paint>().unwrap().add(&mut materials, colored);
             match materials.get(0) {
-                Material::Diffuse { reflectance } => reflectance.clone(),
+                Material::Diffuse(Diffuse { reflectance }) => reflectance.clone(),
                 other => panic!("{other:?}"),
             }
         };

@@ -2,7 +2,7 @@
 
 use super::Stage;
 use crate::bsdf::Material;
-use crate::bsdf::material::Turning;
+use crate::bsdf::material::{Diffuse, InvalidNormals};
 use crate::camera::Projection;
 use crate::light::Emitter;
 use crate::math::{Rgb, Vec2, Vec3};
@@ -110,7 +110,7 @@ fn normal_maps_may_be_constant() {
         assert_eq!(d.warnings, [""; 0], "{normals}");
         let Material::NormalMap {
             normals: texture,
-            turning,
+            invalid_normals,
             ..
         } = material(&d)
         else {
@@ -121,7 +121,7 @@ fn normal_maps_may_be_constant() {
             Some(Rgb::new(0.9, 0.5, 0.7)),
             "{normals}"
         );
-        assert_eq!(*turning, Turning::default());
+        assert_eq!(*invalid_normals, InvalidNormals::default());
     }
 }
 
@@ -171,11 +171,14 @@ fn turned_normals_do_as_the_scene_says() {
             "<bsdf type='bumpmap'>{flags}<texture type='checkerboard'/><bsdf type='diffuse'/></bsdf>"
         )));
         assert_eq!(bump.warnings, [""; 0], "{flags}");
-        let Material::BumpMap { turning, .. } = material(&bump) else {
+        let Material::BumpMap {
+            invalid_normals, ..
+        } = material(&bump)
+        else {
             panic!("{:?}", material(&bump));
         };
-        assert_eq!(turning.mirrors, !flags.contains("flip"));
-        assert_eq!(turning.shadows, !flags.contains("use"));
+        assert_eq!(invalid_normals.flip, !flags.contains("flip"));
+        assert_eq!(invalid_normals.shadow, !flags.contains("use"));
     }
 }
 
@@ -240,7 +243,7 @@ fn reflectances_above_1_are_cut_with_a_warning() {
                 d.warnings
             );
         }
-        let Material::Diffuse { reflectance } = material(&d) else {
+        let Material::Diffuse(Diffuse { reflectance }) = material(&d) else {
             panic!("{:?}", material(&d));
         };
         let found = reflectance.eval(&SurfacePoint::at_uv(Vec2::splat(0.2)));

@@ -1,9 +1,12 @@
 //! Plugins of every family, by their numbers.
 
+use super::super::names;
 use super::Stage;
 use crate::accel::AnalyticKind;
 use crate::bsdf::Material;
-use crate::bsdf::material::Distribution;
+use crate::bsdf::material::{
+    Conductor, Diffuse, Distribution, Plastic, RoughDielectric, RoughPlastic,
+};
 use crate::light::Emitter;
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::scene::{Description, Geometry};
@@ -35,13 +38,13 @@ fn both_dialects_make_the_same_plastic() {
     ));
     for d in [old, new] {
         assert_eq!(d.warnings, [""; 0]);
-        let Material::RoughPlastic {
+        let Material::RoughPlastic(RoughPlastic {
             eta,
             roughness,
             diffuse_reflectance,
             nonlinear,
             ..
-        } = material(&d)
+        }) = material(&d)
         else {
             panic!("{:?}", material(&d));
         };
@@ -57,23 +60,23 @@ fn both_dialects_make_the_same_plastic() {
 fn defaults_are_mitsubas() {
     let stage = Stage::new();
     let d = stage.modern(&on_sphere("<bsdf type='plastic'/>"));
-    let Material::Plastic { eta, .. } = material(&d) else {
+    let Material::Plastic(Plastic { eta, .. }) = material(&d) else {
         panic!()
     };
     assert!((eta - 1.489_587_3).abs() < 1e-6, "{eta}");
     let d = stage.modern(&on_sphere("<bsdf type='roughdielectric'/>"));
-    let Material::RoughDielectric { eta, roughness, .. } = material(&d) else {
+    let Material::RoughDielectric(RoughDielectric { eta, roughness, .. }) = material(&d) else {
         panic!()
     };
     assert!((eta - 1.504_183_3).abs() < 1e-6, "{eta}");
     assert_eq!(constant(&roughness.alpha_u), Rgb::splat(0.1));
     let d = stage.modern(&on_sphere("<bsdf type='conductor'/>"));
-    let Material::Conductor { eta, k, .. } = material(&d) else {
+    let Material::Conductor(Conductor { eta, k, .. }) = material(&d) else {
         panic!()
     };
     assert_eq!((constant(eta), constant(k)), (Rgb::ZERO, Rgb::ONE));
     let d = stage.classic(&on_sphere("<bsdf type='conductor'/>"));
-    let Material::Conductor { eta, .. } = material(&d) else {
+    let Material::Conductor(Conductor { eta, .. }) = material(&d) else {
         panic!()
     };
     assert!((constant(eta).x - 0.201).abs() < 1e-3, "copper in 0.x");
@@ -83,12 +86,12 @@ fn defaults_are_mitsubas() {
     };
     assert!((p.eta - 1.5).abs() < 1e-6, "{}", p.eta);
     let d = stage.modern(&on_sphere(""));
-    let Material::Diffuse { reflectance } = material(&d) else {
+    let Material::Diffuse(Diffuse { reflectance }) = material(&d) else {
         panic!()
     };
     assert_eq!(constant(reflectance), Rgb::splat(0.5));
     let d = stage.modern(&on_sphere("<emitter type='area'/>"));
-    let Material::Diffuse { reflectance } = material(&d) else {
+    let Material::Diffuse(Diffuse { reflectance }) = material(&d) else {
         panic!()
     };
     assert_eq!(
@@ -103,29 +106,7 @@ fn defaults_are_mitsubas() {
 fn every_material_is_read() {
     let diffuse = "<bsdf type='diffuse'/>";
     let texture = "<texture type='checkerboard'/>";
-    let plain = [
-        "diffuse",
-        "roughdiffuse",
-        "dielectric",
-        "thindielectric",
-        "roughdielectric",
-        "conductor",
-        "roughconductor",
-        "plastic",
-        "roughplastic",
-        "phong",
-        "ward",
-        "principled",
-        "principledthin",
-        "difftrans",
-        "null",
-        "lambertian",
-    ];
-    let mut all: Vec<String> = plain
-        .iter()
-        .map(|p| format!("<bsdf type='{p}'/>"))
-        .collect();
-    for (plugin, inside) in [
+    let around = [
         ("mask", diffuse.to_owned()),
         ("twosided", diffuse.to_owned()),
         ("twosided", diffuse.repeat(2)),
@@ -145,10 +126,12 @@ fn every_material_is_read() {
                 diffuse.repeat(2)
             ),
         ),
-    ] {
-        all.push(format!("<bsdf type='{plugin}'>{inside}</bsdf>"));
-    }
-    for bsdf in all {
+    ];
+    let is_plain = |plugin: &&&str| around.iter().all(|(a, _)| a != *plugin);
+    let plain = names::plugins("bsdf").unwrap().iter().filter(is_plain);
+    let plain = plain.map(|plugin| format!("<bsdf type='{plugin}'/>"));
+    let inside = |(plugin, inside): &(_, _)| format!("<bsdf type='{plugin}'>{inside}</bsdf>");
+    for bsdf in plain.chain(around.iter().map(inside)) {
         for d in [
             Stage::new().modern(&on_sphere(&bsdf)),
             Stage::new().classic(&on_sphere(&bsdf)),
@@ -395,7 +378,7 @@ fn spectra_mean_what_they_are_used_for() {
         "<shape type='sphere'><bsdf type='diffuse'><spectrum name='reflectance' value='360:0.5, 830:0.5'/></bsdf>
          <emitter type='area'><spectrum name='radiance' value='360:0.5, 830:0.5'/></emitter></shape>",
     );
-    let Material::Diffuse { reflectance } = material(&d) else {
+    let Material::Diffuse(Diffuse { reflectance }) = material(&d) else {
         panic!()
     };
     assert!((constant(reflectance) - 0.5).abs().max_element() < 1e-3);
@@ -416,7 +399,7 @@ fn reflectances_beyond_1_are_cut_with_a_warning() {
     let d = Stage::new().modern(&on_sphere(
         "<bsdf type='diffuse'><rgb name='reflectance' value='2, .5, -.1'/></bsdf>",
     ));
-    let Material::Diffuse { reflectance } = material(&d) else {
+    let Material::Diffuse(Diffuse { reflectance }) = material(&d) else {
         panic!()
     };
     assert_eq!(constant(reflectance), Rgb::new(1.0, 0.5, 0.0));

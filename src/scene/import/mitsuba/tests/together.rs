@@ -3,6 +3,7 @@
 
 use super::Stage;
 use crate::bsdf::Material;
+use crate::bsdf::material::Diffuse;
 use crate::light::Emitter;
 use crate::math::Rgb;
 
@@ -132,9 +133,9 @@ fn lenient_loading_says_what_takes_the_place_of_each() {
     };
     assert_eq!(*radiance, Rgb::splat(0.5));
     for shape in &d.shapes {
-        let grey = matches!(d.materials.get(shape.material), Material::Diffuse { reflectance }
+        let grey = matches!(d.materials.get(shape.material), Material::Diffuse(Diffuse { reflectance })
             if reflectance.constant() == Some(Rgb::splat(0.5)));
-        let plastic = matches!(d.materials.get(shape.material), Material::Plastic { .. });
+        let plastic = matches!(d.materials.get(shape.material), Material::Plastic(_));
         assert!(grey || plastic, "{shape:?}");
     }
 }

@@ -2,6 +2,7 @@
 
 use super::Asked;
 use crate::bsdf::Material;
+use crate::bsdf::material::Diffuse;
 use crate::light::Emitter;
 use crate::math::Rgb;
 use crate::scene::import::{ImportOptions, mitsuba};
@@ -102,7 +103,8 @@ fn the_cornell_box_has_mitsubas_colours() {
         (0, [0.776367, 0.779810, 0.776029]),
     ];
     for (shape, expected) in reflectances {
-        let Material::Diffuse { reflectance } = d.materials.get(d.shapes[shape].material) else {
+        let Material::Diffuse(Diffuse { reflectance }) = d.materials.get(d.shapes[shape].material)
+        else {
             panic!("not diffuse");
         };
         close(reflectance, expected);

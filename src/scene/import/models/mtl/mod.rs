@@ -18,8 +18,9 @@ mod map;
 mod words;
 
 use super::palette::{self, Paint};
-use crate::bsdf::material::Turning;
-use crate::bsdf::material::{Distribution, Roughness, white};
+use crate::bsdf::material::{
+    Dielectric, Diffuse, Distribution, InvalidNormals, RoughDielectric, Roughness, white,
+};
 use crate::bsdf::{Material, MaterialId};
 use crate::image::file::ImageFile;
 use crate::math::{Rgb, Vec2, luminance};
@@ -121,7 +122,7 @@ impl Reader<'_> {
             if let Some(normals) = self.normals()? {
                 let normals = Material::NormalMap {
                     normals,
-                    turning: Turning::default(),
+                    invalid_normals: InvalidNormals::default(),
                     inner: id,
                 };
                 id = self.parts.materials.push(normals);
@@ -151,14 +152,14 @@ impl Reader<'_> {
         let tint = self.entry.color("tf").unwrap_or(Rgb::ONE);
         let specular_transmittance = Texture::Constant(tint);
         match self.entry.number("pr").filter(|r| *r > 0.0) {
-            None => Material::Dielectric {
+            None => Material::Dielectric(Dielectric {
                 eta,
                 specular_reflectance: white(),
                 specular_transmittance,
-            },
+            }),
             Some(roughness) => {
                 let alpha = Texture::Constant(Rgb::splat(roughness * roughness));
-                Material::RoughDielectric {
+                Material::RoughDielectric(RoughDielectric {
                     eta,
                     roughness: Roughness {
                         distribution: Distribution::Ggx,
@@ -167,7 +168,7 @@ impl Reader<'_> {
                     },
                     specular_reflectance: white(),
                     specular_transmittance,
-                }
+                })
             }
         }
     }
@@ -238,7 +239,7 @@ impl Reader<'_> {
         let entry = self.entry;
         let specular = entry.color("ks").unwrap_or_default();
         if illum < 2 || specular.max_element() <= 0.0 {
-            return Material::Diffuse { reflectance: color };
+            return Material::Diffuse(Diffuse { reflectance: color });
         }
         if specular.max_element() - specular.min_element() > 0.02 {
             self.warn("the colour of `Ks` is left out, its luminance counts");

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::bsdf::Material;
+use crate::bsdf::material::Dielectric;
 use crate::math::Vec2;
 use crate::texture::SurfacePoint;
 
@@ -77,7 +78,10 @@ fn an_alpha_below_one_is_opacity_unless_a_colour_is_let_through() {
         "illum 6\nTf 1 1 1\n",
     ] {
         let parts = square(&folder, &format!("{base}{more}"));
-        let glass = matches!(material(&parts), Material::Dielectric { eta: 1.45, .. });
+        let glass = matches!(
+            material(&parts),
+            Material::Dielectric(Dielectric { eta: 1.45, .. })
+        );
         assert!(glass, "{more}: {parts:?}");
     }
     let parts = square(&folder, "illum 9\nd 0.5\nTf 0.5 1 1\n");
@@ -85,7 +89,7 @@ fn an_alpha_below_one_is_opacity_unless_a_colour_is_let_through() {
         panic!("{parts:?}")
     };
     let inner = parts.materials.get(*inner);
-    assert!(matches!(inner, Material::Dielectric { .. }), "{inner:?}");
+    assert!(matches!(inner, Material::Dielectric(_)), "{inner:?}");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Model files as the command line names them.
 
 use super::*;
+use crate::bsdf::material::Diffuse;
 use crate::scene::import::ImportOptions;
 use crate::texture::TextureStore;
 use std::path::PathBuf;
@@ -69,7 +70,7 @@ fn reflectance(parts: &Parts, id: MaterialId) -> &Texture {
     use crate::bsdf::Material;
     match parts.materials.get(id) {
         Material::TwoSided { front, .. } => reflectance(parts, *front),
-        Material::Diffuse { reflectance } => reflectance,
+        Material::Diffuse(Diffuse { reflectance }) => reflectance,
         other => panic!("{other:?}"),
     }
 }

@@ -1,34 +1,130 @@
 //! Mitsuba 3's `principledthin`: the principled model for sheets without thickness (Burley 2015).
 //! Both sides look alike, and what is transmitted is not bent but blurred.
 
-use super::principled::{Base, facets, schlick, schlick_r0, tint};
+use super::principled_parts::{Base, facets, schlick, schlick_r0, tint};
 use super::{
     GLOSSY_REFLECTION, GLOSSY_TRANSMISSION, Lobe, cosine_pdf, sample_cosine, smooth_sample,
 };
-use crate::bsdf::fresnel::{dielectric, reflect};
+use crate::bsdf::fresnel::{dielectric, reflect, sane_eta};
 use crate::bsdf::microfacet::Microfacet;
+use crate::bsdf::model::{Lookup, Model, Textures};
+use crate::bsdf::parameters::Parameters;
 use crate::bsdf::{BsdfSample, LobeFlags, Transport};
 use crate::math::{Rgb, Vec2, Vec3};
+use crate::texture::Texture;
 
-/// What the scene says at a point.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::bsdf) struct SheetInput {
-    pub base_color: Rgb,
-    pub roughness: f32,
-    pub anisotropic: f32,
-    pub spec_trans: f32,
-    pub eta: f32,
-    pub spec_tint: f32,
-    pub sheen: f32,
-    pub sheen_tint: f32,
-    pub flatness: f32,
-    /// 0 to 2.
-    pub diff_trans: f32,
+/// Parameters of Mitsuba 3's `principledthin`.
+#[derive(Clone, Debug)]
+#[allow(missing_docs)]
+pub struct PrincipledThin {
+    pub base_color: Texture,
+    pub roughness: Texture,
+    pub anisotropic: Texture,
+    pub spec_trans: Texture,
+    pub eta: Texture,
+    pub spec_tint: Texture,
+    pub sheen: Texture,
+    pub sheen_tint: Texture,
+    pub flatness: Texture,
+    /// Diffuse transmission, 0 to 2.
+    pub diff_trans: Texture,
+}
+
+impl Model for PrincipledThin {
+    type Lobe = PrincipledThinLobe;
+
+    fn read(p: &mut dyn Parameters) -> Result<Self, String> {
+        p.ignore(&[
+            "specular_reflectance_sampling_rate",
+            "specular_transmittance_sampling_rate",
+            "diffuse_reflectance_sampling_rate",
+            "diffuse_transmittance_sampling_rate",
+        ]);
+        Ok(Self {
+            eta: p.number("eta", 1.5),
+            diff_trans: p.number("diff_trans", 0.0),
+            base_color: p.reflectance("base_color", 0.5),
+            roughness: p.reflectance("roughness", 0.5),
+            anisotropic: p.reflectance("anisotropic", 0.0),
+            spec_trans: p.reflectance("spec_trans", 0.0),
+            spec_tint: p.reflectance("spec_tint", 0.0),
+            sheen: p.reflectance("sheen", 0.0),
+            sheen_tint: p.reflectance("sheen_tint", 0.0),
+            flatness: p.reflectance("flatness", 0.0),
+        })
+    }
+
+    fn lobe(&self, at: &Lookup) -> PrincipledThinLobe {
+        let base_color = at.color(&self.base_color);
+        let (roughness, anisotropic) = (at.scalar(&self.roughness), at.scalar(&self.anisotropic));
+        let eta = sane_eta(at.scalar(&self.eta));
+        let sheen_color = Rgb::ONE.lerp(tint(base_color), at.scalar(&self.sheen_tint));
+        let scaled = (0.65 * eta - 0.35) * roughness;
+        PrincipledThinLobe {
+            base: Base {
+                color: base_color,
+                roughness,
+                flatness: at.scalar(&self.flatness),
+                sheen: sheen_color * at.scalar(&self.sheen),
+            },
+            reflecting: facets(roughness, anisotropic),
+            transmitting: facets(scaled, anisotropic),
+            eta,
+            spec_tint: at.scalar(&self.spec_tint),
+            spec_trans: at.scalar(&self.spec_trans).clamp(0.0, 1.0),
+            diff_trans: (0.5 * at.scalar(&self.diff_trans)).clamp(0.0, 1.0),
+        }
+    }
+
+    fn textures(&self) -> Textures<'_> {
+        // Tints and sheens multiply, roughnesses bend.
+        Textures {
+            linear: vec![],
+            nonlinear: vec![
+                &self.base_color,
+                &self.roughness,
+                &self.anisotropic,
+                &self.spec_trans,
+                &self.eta,
+                &self.spec_tint,
+                &self.sheen,
+                &self.sheen_tint,
+                &self.flatness,
+                &self.diff_trans,
+            ],
+        }
+    }
+
+    fn is_anisotropic(&self) -> bool {
+        self.anisotropic.constant() != Some(Rgb::ZERO)
+    }
+
+    fn transmits(&self) -> bool {
+        true
+    }
+
+    #[cfg(test)]
+    fn examples() -> Vec<(&'static str, Self)> {
+        use crate::bsdf::tests::models::{base, grey};
+        let example = Self {
+            base_color: base(),
+            roughness: grey(0.5),
+            anisotropic: grey(0.4),
+            spec_trans: grey(0.6),
+            eta: grey(1.4),
+            spec_tint: grey(0.3),
+            sheen: grey(0.5),
+            sheen_tint: grey(0.5),
+            flatness: grey(0.4),
+            diff_trans: grey(0.7),
+        };
+        vec![("principled_thin", example)]
+    }
 }
 
 /// The thin principled model.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::bsdf) struct PrincipledSheet {
+pub(in crate::bsdf) struct PrincipledThinLobe {
     base: Base,
     reflecting: Microfacet,
     /// Facets of the transmitting lobe, whose roughness follows the index (Burley 2015, figure 15).
@@ -40,26 +136,7 @@ pub(in crate::bsdf) struct PrincipledSheet {
     diff_trans: f32,
 }
 
-impl PrincipledSheet {
-    pub fn new(p: &SheetInput) -> Self {
-        let sheen = Rgb::ONE.lerp(tint(p.base_color), p.sheen_tint) * p.sheen;
-        let scaled = (0.65 * p.eta - 0.35) * p.roughness;
-        Self {
-            base: Base {
-                color: p.base_color,
-                roughness: p.roughness,
-                flatness: p.flatness,
-                sheen,
-            },
-            reflecting: facets(p.roughness, p.anisotropic),
-            transmitting: facets(scaled, p.anisotropic),
-            eta: p.eta,
-            spec_tint: p.spec_tint,
-            spec_trans: p.spec_trans.clamp(0.0, 1.0),
-            diff_trans: (0.5 * p.diff_trans).clamp(0.0, 1.0),
-        }
-    }
-
+impl PrincipledThinLobe {
     /// Probabilities of specular reflection and transmission (alike), and of diffuse reflection;
     /// the rest is diffuse transmission. They sum to 1 because all of Mitsuba's sampling rates are
     /// 1.
@@ -108,7 +185,7 @@ impl PrincipledSheet {
     }
 }
 
-impl Lobe for PrincipledSheet {
+impl Lobe for PrincipledThinLobe {
     fn eval_pdf(&self, wo: Vec3, wi: Vec3, _: Transport) -> (Rgb, f32) {
         if wo.z == 0.0 || wi.z == 0.0 {
             return (Rgb::ZERO, 0.0);
