@@ -92,11 +92,6 @@ pub(in crate::bsdf) struct ConductorLobe {
 }
 
 impl Lobe for ConductorLobe {
-    #[inline]
-    fn eval_pdf(&self, _: Vec3, _: Vec3, _: Transport) -> (Rgb, f32) {
-        (Rgb::ZERO, 0.0)
-    }
-
     fn sample(&self, wo: Vec3, _: f32, _: Vec2, _: Transport) -> Option<BsdfSample> {
         if wo.z <= 0.0 {
             return None;
@@ -111,9 +106,5 @@ impl Lobe for ConductorLobe {
 
     fn albedo(&self) -> Rgb {
         self.metal.reflect(1.0)
-    }
-
-    fn roughness(&self) -> Option<f32> {
-        None
     }
 }

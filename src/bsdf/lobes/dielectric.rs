@@ -69,11 +69,6 @@ pub(in crate::bsdf) struct DielectricLobe {
 }
 
 impl Lobe for DielectricLobe {
-    #[inline]
-    fn eval_pdf(&self, _: Vec3, _: Vec3, _: Transport) -> (Rgb, f32) {
-        (Rgb::ZERO, 0.0)
-    }
-
     fn sample(&self, wo: Vec3, u_lobe: f32, _: Vec2, transport: Transport) -> Option<BsdfSample> {
         let i = dielectric(wo.z, self.eta);
         let (r, t) = (self.reflectance * i.r, self.transmittance * (1.0 - i.r));
@@ -103,9 +98,5 @@ impl Lobe for DielectricLobe {
 
     fn albedo(&self) -> Rgb {
         self.reflectance.max(self.transmittance)
-    }
-
-    fn roughness(&self) -> Option<f32> {
-        None
     }
 }

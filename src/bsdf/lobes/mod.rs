@@ -42,9 +42,13 @@ pub(super) const DELTA_TRANSMISSION: LobeFlags =
 pub(super) const NULL_TRANSMISSION: LobeFlags = LobeFlags(DELTA_TRANSMISSION.0 | LobeFlags::NULL.0);
 
 /// A scattering model at one point. Directions are local, `wo` towards where the path came from.
+/// The methods that are given are those of a lobe of delta parts alone.
 pub(super) trait Lobe {
     /// `f |cos theta_i|` and the density of [`Lobe::sample`], both without delta parts.
-    fn eval_pdf(&self, wo: Vec3, wi: Vec3, transport: Transport) -> (Rgb, f32);
+    #[inline]
+    fn eval_pdf(&self, _wo: Vec3, _wi: Vec3, _transport: Transport) -> (Rgb, f32) {
+        (Rgb::ZERO, 0.0)
+    }
 
     /// Draws a local direction; the sample's `wi` is local too.
     fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2, transport: Transport) -> Option<BsdfSample>;
@@ -56,7 +60,9 @@ pub(super) trait Lobe {
     fn albedo(&self) -> Rgb;
 
     /// Smallest roughness of its smooth parts; `None` if it has only delta parts.
-    fn roughness(&self) -> Option<f32>;
+    fn roughness(&self) -> Option<f32> {
+        None
+    }
 }
 
 /// Makes an enum of lobes that is itself a lobe.

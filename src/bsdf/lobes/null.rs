@@ -44,11 +44,6 @@ impl Model for Null {
 pub(in crate::bsdf) struct NullLobe;
 
 impl Lobe for NullLobe {
-    #[inline]
-    fn eval_pdf(&self, _: Vec3, _: Vec3, _: Transport) -> (Rgb, f32) {
-        (Rgb::ZERO, 0.0)
-    }
-
     fn sample(&self, wo: Vec3, _: f32, _: Vec2, _: Transport) -> Option<BsdfSample> {
         weighted(-wo, Rgb::ONE, 1.0, 1.0, NULL_TRANSMISSION)
     }
@@ -59,9 +54,5 @@ impl Lobe for NullLobe {
 
     fn albedo(&self) -> Rgb {
         Rgb::ONE
-    }
-
-    fn roughness(&self) -> Option<f32> {
-        None
     }
 }

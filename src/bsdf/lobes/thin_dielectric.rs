@@ -74,11 +74,6 @@ pub(in crate::bsdf) struct ThinDielectricLobe {
 }
 
 impl Lobe for ThinDielectricLobe {
-    #[inline]
-    fn eval_pdf(&self, _: Vec3, _: Vec3, _: Transport) -> (Rgb, f32) {
-        (Rgb::ZERO, 0.0)
-    }
-
     fn sample(&self, wo: Vec3, u_lobe: f32, _: Vec2, _: Transport) -> Option<BsdfSample> {
         // r + t r t + t r^3 t + ... = 2 r / (1 + r)
         let one = dielectric(wo.z.abs(), self.eta).r;
@@ -98,9 +93,5 @@ impl Lobe for ThinDielectricLobe {
 
     fn albedo(&self) -> Rgb {
         self.reflectance.max(self.transmittance)
-    }
-
-    fn roughness(&self) -> Option<f32> {
-        None
     }
 }
