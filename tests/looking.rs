@@ -9,7 +9,7 @@ use twintree::guide::{Field, ModelKind, SurfacePoint, Trainer};
 use twintree::integrate::PathSettings;
 use twintree::integrate::debug::cells;
 use twintree::integrate::debug::probe::{LatLong, brute_force, learned, seen_from};
-use twintree::integrate::guiding::{Guide, facing};
+use twintree::integrate::guiding::Guide;
 use twintree::integrate::training::importance::look;
 use twintree::integrate::training::{LearnSettings, Learned, learn};
 use twintree::light::Emitter;
@@ -34,8 +34,9 @@ fn floor(radiance: f32) -> Built {
 }
 
 fn probed(built: &Built, path: &PathSettings, rows: u32, spp: u32) -> LatLong {
-    let (point, wo) = seen_from(&built.scene, &built.camera, Vec2::new(4.5, 4.5)).unwrap();
-    let normal = facing(&point, wo);
+    let Interaction { point, wo, .. } =
+        seen_from(&built.scene, &built.camera, Vec2::new(4.5, 4.5)).unwrap();
+    let normal = point.facing(wo);
     brute_force(&built.scene, path, &point, normal, rows, spp)
 }
 
@@ -133,8 +134,9 @@ fn the_learned_distribution_is_a_density_and_close_to_brute_force() {
         hide_emitters: true,
         ..settings()
     };
-    let (point, wo) = seen_from(&built.scene, &built.camera, Vec2::new(16.5, 24.5)).unwrap();
-    let normal = facing(&point, wo);
+    let Interaction { point, wo, .. } =
+        seen_from(&built.scene, &built.camera, Vec2::new(16.5, 24.5)).unwrap();
+    let normal = point.facing(wo);
     let truth = brute_force(&built.scene, &path, &point, normal, 16, 256);
     for model in ModelKind::ALL {
         let taught = taught(&built, 600_000, 300_000, *model);

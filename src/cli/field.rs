@@ -14,11 +14,12 @@ use crate::image::{Image, WriteOptions};
 use crate::integrate::View;
 use crate::integrate::debug::cells;
 use crate::integrate::debug::probe::{self, LatLong};
-use crate::integrate::guiding::{Guide, facing};
+use crate::integrate::guiding::Guide;
 use crate::integrate::training::extend::to_guide;
 use crate::math::{Rgb, Vec2};
 use crate::report::field::FieldReport;
 use crate::scene::Scene;
+use crate::scene::interaction::Interaction;
 use std::f32::consts::PI;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -127,11 +128,11 @@ fn probe(
         ));
     }
     let at = Vec2::new(pixel.x as f32 + 0.5, pixel.y as f32 + 0.5);
-    let Some((point, wo)) = probe::seen_from(view.scene, view.camera, at) else {
+    let Some(Interaction { point, wo, .. }) = probe::seen_from(view.scene, view.camera, at) else {
         let help = "choose a pixel that shows a surface";
         return Err(Failure::wrong(format!("pixel {pixel} sees nothing"), help));
     };
-    let normal = facing(&point, wo);
+    let normal = point.facing(wo);
     let learned = probe::learned(guide, &point, normal, args.rows);
     let settings = view.settings;
     let traced = probe::brute_force(view.scene, settings, &point, normal, args.rows, args.spp);

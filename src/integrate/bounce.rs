@@ -9,7 +9,6 @@ use crate::accel::{Hit, Ray};
 use crate::bsdf::Bsdf;
 use crate::light::Shining;
 use crate::math::{Rgb, Vec3};
-use crate::scene::surface::DARK;
 use crate::texture::SurfacePoint;
 
 /// How a path goes on.
@@ -79,28 +78,24 @@ pub(super) fn bounce<'s, S: Scatter<'s>>(
     let weight_after_delta = |light| how.weight_after_delta(context, path, light);
     let base = (*path).as_ref();
     let depth = base.depth;
-    if !hit.is_some() {
+    let cone_width = base.cone_width + base.cone_spread * hit.t;
+    let Some(met) = scene.surfaces.interaction(ray, hit, cone_width) else {
         observer.arrive(base.accumulator, outcome.radiance, f32::INFINITY);
         outcome.radiance += from_environment(context, ray, base, weight_after_delta);
         return BounceResult::default();
-    }
-    let surface = &scene.surfaces.list[hit.shape as usize];
-    let cone_width = base.cone_width + base.cone_spread * hit.t;
-    let point = scene.surfaces.point(ray, hit, cone_width);
-    let wo = -ray.dir;
+    };
     observer.arrive(base.accumulator, outcome.radiance, hit.t);
-    if surface.emitter != DARK {
-        outcome.radiance += emitted(context, surface, (&point, wo), base, weight_after_delta);
+    if met.glows() {
+        outcome.radiance += emitted(context, &met, base, weight_after_delta);
     }
     if depth + 1 >= settings.max_depth && depth > 0 {
         return BounceResult::default();
     }
-    let materials = &scene.surfaces.materials;
-    let mut bsdf = materials.resolve(surface.material, &point, wo);
+    let mut bsdf = scene.surfaces.bsdf(&met);
     if depth == 0 {
         outcome.first = FirstHit {
             albedo: bsdf.albedo(),
-            normal: point.frame.n,
+            normal: met.point.frame.n,
             depth: hit.t,
         };
         if settings.max_depth < 2 {
@@ -108,9 +103,9 @@ pub(super) fn bounce<'s, S: Scatter<'s>>(
         }
     }
     let at = Arrived {
-        point: &point,
+        point: &met.point,
         bsdf: &mut bsdf,
-        wo,
+        wo: met.wo,
         distance: hit.t,
         radiance: outcome.radiance,
     };

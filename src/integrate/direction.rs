@@ -1,6 +1,6 @@
 //! How a path leaves a vertex: the ray along the sampled direction, and what is recorded of it.
 
-use super::guiding::{GuidedVertex, facing, is_guidable};
+use super::guiding::{GuidedVertex, is_guidable};
 use super::observer::{Departure, PathObserver, SampledDirection};
 use super::path::{Arrival, Path};
 use super::settings::PathSettings;
@@ -9,7 +9,6 @@ use crate::accel::Ray;
 use crate::bsdf::{BsdfSample, LobeFlags};
 use crate::math::Vec3;
 use crate::math::frame::normals_disagree;
-use crate::math::offset::offset_origin;
 
 /// After a rough bounce textures are seen blurred: a lobe of roughness 1 spreads its cone this much
 /// per unit distance. A blur of the texture far below the lobe's own width.
@@ -31,16 +30,14 @@ pub(super) fn spawn_ray(
     if !delta {
         path.cone_spread = path.cone_spread.max(bsdf.roughness() * ROUGH_SPREAD);
     }
-    let origin = offset_origin(point.p, point.error, point.ng, sample.wi);
-    Ray::new(origin, sample.wi)
+    point.spawn_ray(sample.wi)
 }
 
 /// Whether light along this direction is dropped, because shading and geometric normal disagree
 /// about a side and the settings are strict.
 #[inline(always)]
 pub(super) fn drops(settings: &PathSettings, vertex: &Vertex, wi: Vec3) -> bool {
-    let disagree = |w| normals_disagree(vertex.point.normals(), w);
-    settings.strict_normals && (disagree(wi) || disagree(vertex.wo))
+    settings.strict_normals && normals_disagree(vertex.point.normals(), [wi, vertex.wo])
 }
 
 /// Tells the observer how the path left a vertex that a field could guide: by the direction and
@@ -77,7 +74,7 @@ pub(super) fn record_departure(
     let single = vertex.guided.filter(|_| whole);
     let departure = Departure {
         position: vertex.point.p,
-        normal: facing(vertex.point, vertex.wo),
+        normal: vertex.point.facing(vertex.wo),
         arrival: *arrival,
         light_chance: single.map(GuidedVertex::light_chance),
         direction,

@@ -8,10 +8,9 @@ use super::context::PathContext;
 use super::path::Path;
 use crate::accel::Ray;
 use crate::light::Shining;
+use crate::math::Rgb;
 use crate::math::mis::power_heuristic;
-use crate::math::{Rgb, Vec3};
-use crate::scene::surface::Surface;
-use crate::texture::SurfacePoint;
+use crate::scene::interaction::Interaction;
 
 /// What shines from outside the scene, times throughput and MIS weight.
 #[inline]
@@ -42,12 +41,11 @@ pub(super) fn from_environment(
     path.throughput * radiance * weight
 }
 
-/// What a surface itself emits towards `wo`, times throughput and MIS weight.
+/// What a surface that was met emits itself, times throughput and MIS weight.
 #[inline]
 pub(super) fn emitted(
     context: &PathContext,
-    surface: &Surface,
-    (point, wo): (&SurfacePoint, Vec3),
+    at: &Interaction,
     path: &Path,
     weight_after_delta: impl FnOnce(Shining) -> f32,
 ) -> Rgb {
@@ -57,11 +55,11 @@ pub(super) fn emitted(
     if path.depth == 0 && settings.hide_emitters {
         return Rgb::ZERO;
     }
-    let radiance = scene.emitted(surface, point, wo);
+    let radiance = scene.emitted(at);
     if radiance == Rgb::ZERO {
         return Rgb::ZERO;
     }
-    let emitter = surface.emitter;
+    let (emitter, point) = (at.surface.emitter, &at.point);
     let weight = if path.pdf.is_finite() {
         let (from, n) = (path.from, path.from_normal);
         let lights = &scene.lights;

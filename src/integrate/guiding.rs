@@ -105,16 +105,6 @@ pub(super) fn is_matt(bsdf: &Bsdf, lobes: Rest) -> bool {
     bsdf.roughness() >= MATT && (lobes != Rest::ALL || !bsdf.flags().has(LobeFlags::DELTA))
 }
 
-/// The shading normal on the side of `wo`.
-#[inline]
-pub fn facing(point: &SurfacePoint, wo: Vec3) -> Vec3 {
-    if point.frame.n.dot(wo) < 0.0 {
-        -point.frame.n
-    } else {
-        point.frame.n
-    }
-}
-
 impl Guide {
     /// A field that is trusted half of the time everywhere.
     pub fn new(field: Field) -> Self {
@@ -162,7 +152,7 @@ impl<'a> Guidance<'a> {
         let (local, irradiance, chances) = match self {
             Self::Double(guide) => guide.ask(point, bsdf, wo, throughput)?,
             Self::Gmm(mixtures) => {
-                let mixture = mixtures.at(point.p, facing(point, wo))?;
+                let mixture = mixtures.at(point.p, point.facing(wo))?;
                 // Mixtures learn no chances of their own.
                 (Local::Gmm(mixture), mixture.irradiance(), Chances::UNKNOWN)
             }
@@ -204,7 +194,7 @@ impl Guide {
         let horizon = (horizon != Vec3::ZERO).then_some(horizon);
         let local = self
             .field
-            .at_side(point.p, facing(point, wo), horizon, throughput);
+            .at_side(point.p, point.facing(wo), horizon, throughput);
         if !local.has_light() {
             return None;
         }

@@ -8,7 +8,7 @@ use crate::accel::Ray;
 use crate::bsdf::{LobeFlags, Transport};
 use crate::light::{Incoming, Lights};
 use crate::math::mis::power_heuristic;
-use crate::math::offset::{gamma, offset_origin};
+use crate::math::offset::gamma;
 use crate::math::rng::BELOW_ONE;
 use crate::math::{Rgb, Vec3};
 
@@ -93,12 +93,10 @@ pub(super) fn sample_light(
         factor: path.throughput * (f * (weight / light_pdf)),
         incoming: light.incoming,
     };
-    let org = offset_origin(point.p, point.error, point.ng, light.dir);
-    let ray = if light.distance.is_finite() {
-        shadow_ray(org, point.p + light.dir * light.distance)
-    } else {
-        Ray::new(org, light.dir)
-    };
+    let mut ray = point.spawn_ray(light.dir);
+    if light.distance.is_finite() {
+        ray = shadow_ray(ray.org, point.p + light.dir * light.distance);
+    }
     Some((ray, offer))
 }
 

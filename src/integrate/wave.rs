@@ -13,14 +13,11 @@ use super::path::{Outcome, Path};
 use super::reuse::PrefixPool;
 use super::scatter::Plain;
 use super::splitting::SplitPaths;
-use crate::accel::{Hit, Ray};
+use crate::accel::Ray;
 use crate::camera::CameraRay;
 use crate::math::{PathSampler, Rgb};
 use crate::scene::Scene;
-
-/// Vertices whose data is brought into the cache at a time: a few times as many as a processor
-/// waits for at once, few enough for the smallest cache.
-const AHEAD: usize = 32;
+use crate::scene::wavefront::{AHEAD, Wavefront};
 
 /// Edges after which a wave may be given up, and from there on every so many: roulette and dark
 /// surfaces have ended any other path by then (of a path between walls that reflect 0.99, 3e-5
@@ -43,13 +40,14 @@ pub struct Outcomes<'w> {
 /// Buffers of a wave, kept from one tile to the next.
 #[derive(Default)]
 pub struct Wave {
-    bounces: Bounces,
-    paths: Vec<Path>,
+    /// Plain paths, and the samples of guided ones before they begin.
+    plain: Wavefront<Path>,
+    guided: Wavefront<GuidedPath>,
+    shadows: ShadowRays,
     blocked: Vec<bool>,
     outcomes: Vec<Outcome>,
     /// What the samples came to with what they share.
     shared: Vec<Outcome>,
-    guided_paths: Vec<GuidedPath>,
     split_paths: SplitPaths,
     rough_vertices: Vec<LastRoughVertex>,
     /// Radiance that vertices found by manifold next-event estimation, by accumulator.
@@ -60,8 +58,8 @@ pub struct Wave {
 impl Wave {
     /// Empties the wave.
     pub fn clear(&mut self) {
-        self.bounces.rays.clear();
-        self.paths.clear();
+        self.plain.clear();
+        self.guided.clear();
         self.outcomes.clear();
     }
 
@@ -69,8 +67,8 @@ impl Wave {
     #[inline]
     pub fn push(&mut self, camera: CameraRay, sampler: PathSampler) {
         let accumulator = self.outcomes.len() as u32;
-        self.paths.push(Path::new(&camera, sampler, accumulator));
-        self.bounces.rays.push(camera.ray);
+        let path = Path::new(&camera, sampler, accumulator);
+        self.plain.push(path, camera.ray);
         self.outcomes.push(Outcome::default());
     }
 
@@ -100,7 +98,7 @@ impl Wave {
         let before = self.rays_traced;
         let guided = context.guide.is_some();
         let most = if guided { context.settings.reuse } else { 1 };
-        let mut pool = PrefixPool::new(most, self.paths.len());
+        let mut pool = PrefixPool::new(most, self.outcomes.len());
         if !self.run(context, observer, &mut pool, gives_up) {
             return None;
         }
@@ -132,31 +130,27 @@ impl Wave {
         let mut edges: u32 = 0;
         self.split_paths.start(self.outcomes.len());
         self.rough_vertices.clear();
-        self.guided_paths.clear();
-        let guided = context.guide.is_some();
-        if guided {
-            let begin = |path| GuidedPath::new(path, lobe_splitting::FROM_CAMERA);
-            self.guided_paths.extend(self.paths.drain(..).map(begin));
+        if context.guide.is_some() {
+            let begin = |(path, ray)| (GuidedPath::new(path, lobe_splitting::FROM_CAMERA), ray);
+            self.guided.extend(self.plain.drain().map(begin));
         }
-        while !self.bounces.rays.is_empty() {
-            self.bounces.hits.resize(self.bounces.rays.len(), Hit::NONE);
-            context
-                .scene
-                .rays
-                .intersect_batch(&self.bounces.rays, &mut self.bounces.hits);
-            self.rays_traced += self.bounces.rays.len() as u64;
-            match guided {
-                true => self.advance_guided(context, observer, pool),
-                false => self.advance(context, observer),
+        while self.is_under_way() {
+            match context.guide {
+                Some(_) => self.advance_guided(context, observer, pool),
+                None => self.advance(context, observer),
             }
             self.collect_light(context.scene, observer);
             edges = edges.saturating_add(1);
             let asks = edges >= LONG && edges % BETWEEN_LOOKS == 0;
-            if asks && !self.bounces.rays.is_empty() && gives_up(edges) {
+            if asks && self.is_under_way() && gives_up(edges) {
                 return false;
             }
         }
         true
+    }
+
+    fn is_under_way(&self) -> bool {
+        !(self.plain.is_empty() && self.guided.is_empty())
     }
 
     /// Rays traced since the wave was made, shadow rays included.
@@ -166,9 +160,15 @@ impl Wave {
 
     /// Handles one vertex of every path.
     fn advance(&mut self, context: &PathContext, observer: &mut impl PathObserver) {
-        let outcomes = &mut self.outcomes;
-        self.bounces
-            .each(context, &mut Plain, &mut self.paths, outcomes, observer);
+        let (outcomes, shadows) = (&mut self.outcomes, &mut self.shadows);
+        self.rays_traced += advance(
+            &mut self.plain,
+            context,
+            &mut Plain,
+            outcomes,
+            shadows,
+            observer,
+        );
     }
 
     /// The same for guided paths.
@@ -178,7 +178,7 @@ impl Wave {
         observer: &mut impl PathObserver,
         pool: &mut PrefixPool<'s>,
     ) {
-        let outcomes = &mut self.outcomes;
+        let (outcomes, shadows) = (&mut self.outcomes, &mut self.shadows);
         let mut output = GuidedOutput {
             split_paths: &mut self.split_paths,
             rough_vertices: &mut self.rough_vertices,
@@ -186,17 +186,16 @@ impl Wave {
             found: &mut self.found,
             rays: &mut self.rays_traced,
         };
-        self.bounces.each(
+        let rays = advance(
+            &mut self.guided,
             context,
             &mut output,
-            &mut self.guided_paths,
             outcomes,
+            shadows,
             observer,
         );
-        for (path, ray) in self.split_paths.take() {
-            self.guided_paths.push(path);
-            self.bounces.rays.push(ray);
-        }
+        self.rays_traced += rays;
+        self.guided.extend(self.split_paths.take());
         let accumulators = self.split_paths.accumulators();
         self.outcomes.resize(accumulators, Outcome::default());
         for (accumulator, radiance) in self.found.drain(..) {
@@ -206,16 +205,13 @@ impl Wave {
 
     /// Adds the light of all unblocked shadow rays.
     fn collect_light(&mut self, scene: &Scene, observer: &mut impl PathObserver) {
-        self.blocked.resize(self.bounces.shadow_rays.len(), false);
-        scene
-            .rays
-            .occluded_batch(&self.bounces.shadow_rays, &mut self.blocked);
-        self.rays_traced += self.bounces.shadow_rays.len() as u64;
+        let ShadowRays { rays, offers } = &mut self.shadows;
+        self.blocked.resize(rays.len(), false);
+        scene.rays.occluded_batch(rays, &mut self.blocked);
+        self.rays_traced += rays.len() as u64;
         let mut blocked = self.blocked.iter();
-        self.bounces
-            .shadows
-            .retain(|_| blocked.next() == Some(&false));
-        for shadows in self.bounces.shadows.chunks(AHEAD) {
+        offers.retain(|_| blocked.next() == Some(&false));
+        for shadows in offers.chunks(AHEAD) {
             let offers = shadows.iter().map(|shadow| &shadow.offer.incoming);
             scene.lights.prefetch(offers);
             for ShadowRay { accumulator, offer } in shadows {
@@ -227,49 +223,32 @@ impl Wave {
     }
 }
 
-/// The rays of one bounce of all paths of a wave.
+/// The shadow rays of one bounce of all paths of a wave, and what they would bring.
 #[derive(Default)]
-struct Bounces {
+struct ShadowRays {
     rays: Vec<Ray>,
-    hits: Vec<Hit>,
-    shadow_rays: Vec<Ray>,
-    shadows: Vec<ShadowRay>,
+    offers: Vec<ShadowRay>,
 }
 
-impl Bounces {
-    /// Lets every path bounce, and keeps those that go on, in order.
-    #[inline(always)]
-    fn each<'s, S: Scatter<'s>>(
-        &mut self,
-        context: &PathContext<'s>,
-        how: &mut S,
-        paths: &mut Vec<S::Path>,
-        outcomes: &mut [Outcome],
-        observer: &mut impl PathObserver,
-    ) {
-        self.shadows.clear();
-        self.shadow_rays.clear();
-        let mut kept = 0;
-        for i in 0..paths.len() {
-            if i % AHEAD == 0 {
-                let next = &self.hits[i..(i + AHEAD).min(paths.len())];
-                context.scene.surfaces.prefetch(next);
-            }
-            // Moved up before it goes on: a copy of what was just written would wait for it.
-            paths[kept] = paths[i];
-            let path = &mut paths[kept];
-            let outcome = &mut outcomes[(*path).as_ref().accumulator as usize];
-            let met = (&self.rays[i], &self.hits[i]);
-            let result = bounce(context, met, how, path, outcome, observer);
-            if let Some((ray, shadow)) = result.shadow {
-                self.shadow_rays.push(ray);
-                self.shadows.push(shadow);
-            }
-            let Some(ray) = result.ray else { continue };
-            self.rays[kept] = ray;
-            kept += 1;
+/// Lets every path of a wavefront bounce; returns the number of rays.
+#[inline(always)]
+fn advance<'s, S: Scatter<'s>>(
+    wavefront: &mut Wavefront<S::Path>,
+    context: &PathContext<'s>,
+    how: &mut S,
+    outcomes: &mut [Outcome],
+    shadows: &mut ShadowRays,
+    observer: &mut impl PathObserver,
+) -> u64 {
+    shadows.offers.clear();
+    shadows.rays.clear();
+    wavefront.advance(context.scene, |path, ray, hit| {
+        let outcome = &mut outcomes[(*path).as_ref().accumulator as usize];
+        let result = bounce(context, (ray, hit), how, path, outcome, observer);
+        if let Some((ray, shadow)) = result.shadow {
+            shadows.rays.push(ray);
+            shadows.offers.push(shadow);
         }
-        paths.truncate(kept);
-        self.rays.truncate(kept);
-    }
+        result.ray
+    })
 }

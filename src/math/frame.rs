@@ -56,10 +56,11 @@ impl Frame {
     }
 }
 
-/// Whether geometric and shading normal disagree about the side `w` is on.
+/// Whether geometric and shading normal disagree about the side that either direction is on.
 #[inline]
-pub fn normals_disagree([geometric, shading]: [Vec3; 2], w: Vec3) -> bool {
-    geometric.dot(w) * shading.dot(w) <= 0.0
+pub fn normals_disagree([geometric, shading]: [Vec3; 2], [wi, wo]: [Vec3; 2]) -> bool {
+    let disagree = |w: Vec3| geometric.dot(w) * shading.dot(w) <= 0.0;
+    disagree(wi) || disagree(wo)
 }
 
 #[cfg(test)]

@@ -3,9 +3,11 @@
 use super::{Landing, PhotonCounts, PhotonSettings};
 use crate::accel::{Hit, Ray};
 use crate::bsdf::{LobeFlags, Transport};
-use crate::math::offset::{offset_origin, offset_sampled};
+use crate::math::offset::offset_sampled;
 use crate::math::{PathSampler, Rgb, Vec2, Vec3};
 use crate::scene::Scene;
+use crate::scene::interaction::Interaction;
+use crate::scene::wavefront::Wavefront;
 
 /// A photon survives roulette at most this often, so that photons between mirrors end.
 const MAX_SURVIVAL: f32 = 0.95;
@@ -24,9 +26,7 @@ struct Flight {
 /// Buffers of a wave, kept from one to the next.
 #[derive(Default)]
 pub struct PhotonWave {
-    rays: Vec<Ray>,
-    hits: Vec<Hit>,
-    flights: Vec<Flight>,
+    wavefront: Wavefront<Flight>,
 }
 
 impl PhotonWave {
@@ -43,11 +43,10 @@ impl PhotonWave {
             ..PhotonCounts::default()
         };
         self.emit(scene, settings, range, &mut counts);
-        while !self.rays.is_empty() {
-            self.hits.resize(self.rays.len(), Hit::NONE);
-            scene.rays.intersect_batch(&self.rays, &mut self.hits);
-            counts.rays += self.rays.len() as u64;
-            self.advance(scene, settings, &mut counts, land);
+        while !self.wavefront.is_empty() {
+            counts.rays += self.wavefront.advance(scene, |flight, ray, hit| {
+                scatter(scene, settings, (ray, hit), flight, &mut counts, land)
+            });
         }
         counts
     }
@@ -74,47 +73,15 @@ impl PhotonWave {
             } else {
                 offset_sampled(start.org, start.ng, start.dir)
             };
-            self.rays.push(Ray::new(org, start.dir));
-            self.flights.push(Flight {
+            let flight = Flight {
                 power: start.power,
                 sampler,
                 bounces: 0,
                 travelled: 0.0,
                 specular: false,
-            });
+            };
+            self.wavefront.push(flight, Ray::new(org, start.dir));
         }
-    }
-
-    /// Handles one landing of every photon and keeps those that fly on, in order.
-    fn advance(
-        &mut self,
-        scene: &Scene,
-        settings: &PhotonSettings,
-        counts: &mut PhotonCounts,
-        land: &mut impl FnMut(Landing),
-    ) {
-        let mut kept = 0;
-        for i in 0..self.rays.len() {
-            if !self.hits[i].is_some() {
-                continue;
-            }
-            let mut flight = self.flights[i];
-            let next = scatter(
-                scene,
-                settings,
-                &self.rays[i],
-                &self.hits[i],
-                &mut flight,
-                counts,
-                land,
-            );
-            let Some(ray) = next else { continue };
-            self.rays[kept] = ray;
-            self.flights[kept] = flight;
-            kept += 1;
-        }
-        self.rays.truncate(kept);
-        self.flights.truncate(kept);
     }
 }
 
@@ -122,31 +89,21 @@ impl PhotonWave {
 fn scatter(
     scene: &Scene,
     settings: &PhotonSettings,
-    ray: &Ray,
-    hit: &Hit,
+    (ray, hit): (&Ray, &Hit),
     flight: &mut Flight,
     counts: &mut PhotonCounts,
     land: &mut impl FnMut(Landing),
 ) -> Option<Ray> {
-    let surface = &scene.surfaces.list[hit.shape as usize];
-    let point = scene.surfaces.point(ray, hit, 0.0);
-    let wo = -ray.dir;
-    let bsdf = scene
-        .surfaces
-        .materials
-        .resolve(surface.material, &point, wo);
+    let met = scene.surfaces.interaction(ray, hit, 0.0)?;
+    let bsdf = scene.surfaces.bsdf(&met);
+    let Interaction { point, wo, .. } = met;
     flight.travelled += hit.t;
     if bsdf.flags().has(LobeFlags::SMOOTH) {
-        let normal = if point.frame.n.dot(wo) < 0.0 {
-            -point.frame.n
-        } else {
-            point.frame.n
-        };
         counts.landings += 1;
         land(Landing {
             position: point.p,
             direction: wo,
-            normal,
+            normal: point.facing(wo),
             power: flight.power,
             distance: flight.travelled,
             bounces: flight.bounces,
@@ -178,6 +135,5 @@ fn scatter(
         flight.travelled = 0.0;
     }
     flight.bounces += 1;
-    let org = offset_origin(point.p, point.error, point.ng, sample.wi);
-    Some(Ray::new(org, sample.wi))
+    Some(point.spawn_ray(sample.wi))
 }

@@ -6,8 +6,8 @@ use super::surface::{DARK, Form, Needs, Surface, Surfaces};
 use crate::accel::{self, AccelError, Backend, BuildSettings, RayQuery, World};
 use crate::bsdf::Materials;
 use crate::light::{Emitter, EmitterShape, Lights};
-use crate::math::{Affine3A, Rgb, Vec3};
-use crate::texture::{MeshAttributes, SurfacePoint, Texture};
+use crate::math::{Affine3A, Rgb};
+use crate::texture::{MeshAttributes, Texture};
 use std::sync::Arc;
 
 /// A scene ready to render, from any camera.
@@ -72,32 +72,6 @@ pub fn lights_of(description: &mut Description) -> Lights {
     let bounds = accel::world_bounds(&world_of(description, &materials));
     description.materials = materials;
     Lights::build(emitters, &glowing, bounds, bounds)
-}
-
-impl Scene {
-    /// Radiance that a surface sends from a point where a ray met it, along `wo`.
-    ///
-    /// Opacity is no matter of what a surface emits (Mitsuba's meaning). Rays meet it by the chance
-    /// of its opacity, so what they find there is worth more; light samples need no such chance.
-    #[inline]
-    pub fn emitted(&self, surface: &Surface, point: &SurfacePoint, wo: Vec3) -> Rgb {
-        let radiance = self.lights.emitted(surface.emitter, point, wo);
-        let materials = &self.surfaces.materials;
-        if !materials.is_masked(surface.material) {
-            return radiance;
-        }
-        // As the ray tracer asked for it.
-        let finest = SurfacePoint {
-            footprint: 0.0,
-            ..*point
-        };
-        let opacity = materials.opacity(surface.material, &finest);
-        if opacity > 0.0 {
-            radiance / opacity
-        } else {
-            Rgb::ZERO
-        }
-    }
 }
 
 /// The radiance without that of places that are cut out: rays never meet those, so light must not

@@ -6,11 +6,13 @@ pub mod build;
 pub mod description;
 pub mod fingerprint;
 pub mod import;
+pub mod interaction;
 mod normal_derivative;
 pub mod precautions;
 pub mod spare;
 pub mod surface;
 mod transform;
+pub mod wavefront;
 
 pub use build::{Scene, lights_of};
 pub use description::{Description, Geometry, Mesh, Shape};

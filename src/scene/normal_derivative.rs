@@ -126,11 +126,9 @@ mod tests {
     /// one say.
     fn expect_turns(name: &str, scene: &Scene, ray: &Ray) {
         let met = |ray: &Ray| {
-            let mut hits = [Hit::NONE];
-            scene.rays.intersect_batch(&[*ray], &mut hits);
-            assert!(hits[0].is_some(), "{name}");
-            let point = scene.surfaces.point(ray, &hits[0], 0.0);
-            (hits[0], point.p, point.frame.n)
+            let hit = scene.first_hit(ray);
+            let met = scene.surfaces.interaction(ray, &hit, 0.0).expect(name);
+            (hit, met.point.p, met.point.frame.n)
         };
         let (hit, p, _) = met(ray);
         for aside in [Vec3::new(1.0, 0.3, -0.2), Vec3::new(-0.4, 0.2, 1.0)] {

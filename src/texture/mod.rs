@@ -24,6 +24,8 @@ pub use pattern::{Checkerboard, Grid};
 pub use reads::Reads;
 pub use store::TextureStore;
 
+use crate::accel::Ray;
+use crate::math::offset::offset_origin;
 use crate::math::{Frame, Rgb, Vec2, Vec3, luminance};
 
 /// Values that a mesh carries along with its vertices or faces, under a name.
@@ -83,6 +85,22 @@ impl SurfacePoint<'_> {
     #[inline]
     pub fn normals(&self) -> [Vec3; 2] {
         [self.ng, self.frame.n]
+    }
+
+    /// The shading normal on the side of `w`.
+    #[inline]
+    pub fn facing(&self, w: Vec3) -> Vec3 {
+        if self.frame.n.dot(w) < 0.0 {
+            -self.frame.n
+        } else {
+            self.frame.n
+        }
+    }
+
+    /// A ray that leaves the point, to the side of its direction.
+    #[inline]
+    pub fn spawn_ray(&self, dir: Vec3) -> Ray {
+        Ray::new(offset_origin(self.p, self.error, self.ng, dir), dir)
     }
 
     /// A point that stands for no surface in particular, at the given texture coordinates: for

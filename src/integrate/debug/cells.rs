@@ -3,9 +3,9 @@
 use super::probe::seen_from;
 use crate::guide::Field;
 use crate::integrate::context::View;
-use crate::integrate::guiding::facing;
 use crate::math::rng::{hash64, unit_f32};
 use crate::math::{Rgb, Vec2};
+use crate::scene::interaction::Interaction;
 use rayon::prelude::*;
 
 /// A picture of the first surfaces, each cell of the field in a colour of its own, shaded by the
@@ -16,8 +16,8 @@ pub fn seen(view: &View, field: &Field) -> (Vec<Rgb>, usize) {
         .into_par_iter()
         .map(|i| {
             let at = Vec2::new((i % width) as f32 + 0.5, (i / width) as f32 + 0.5);
-            let (point, wo) = seen_from(view.scene, view.camera, at)?;
-            let normal = facing(&point, wo);
+            let Interaction { point, wo, .. } = seen_from(view.scene, view.camera, at)?;
+            let normal = point.facing(wo);
             Some((field.cell(point.p, normal), normal.dot(wo).abs()))
         })
         .collect();

@@ -20,6 +20,7 @@ use crate::integrate::splitting::SplitPaths;
 use crate::integrate::tiles::Job;
 use crate::integrate::training::{Learner, train_passes};
 use crate::math::{Rgb, Vec3};
+use crate::scene::wavefront::Wavefront;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
@@ -95,11 +96,11 @@ pub fn trace_sample(view: &View, [x, y]: [u32; 2], path: PathNumber) -> Traced {
     split_paths.start(1);
     let mut outcomes = vec![Outcome::default()];
     let mut steps = Vec::new();
-    let mut paths = vec![(path, camera.ray)];
-    // All paths together, bounce by bounce, as in a wave.
-    while !paths.is_empty() && steps.len() < MOST_STEPS {
-        let (mut next, mut found, mut lit) = (Vec::new(), Vec::new(), Vec::new());
-        for (mut path, ray) in paths {
+    let mut wavefront = Wavefront::default();
+    wavefront.push(path, camera.ray);
+    while !wavefront.is_empty() && steps.len() < MOST_STEPS {
+        let (mut found, mut lit) = (Vec::new(), Vec::new());
+        wavefront.advance(view.scene, |path: &mut GuidedPath, ray, hit| {
             let outcome = &mut outcomes[path.base.accumulator as usize];
             let output = GuidedOutput {
                 split_paths: &mut split_paths,
@@ -108,16 +109,15 @@ pub fn trace_sample(view: &View, [x, y]: [u32; 2], path: PathNumber) -> Traced {
                 found: &mut found,
                 rays: &mut 0,
             };
-            let result = step(view, &ray, (&mut path, outcome), output, &mut steps);
+            let result = step(view, (ray, hit), (path, outcome), output, &mut steps);
             lit.extend(result.lit);
-            next.extend(result.ray.map(|ray| (path, ray)));
-        }
-        next.extend(split_paths.take());
+            result.ray
+        });
+        wavefront.extend(split_paths.take());
         outcomes.resize(split_paths.accumulators(), Outcome::default());
         for (accumulator, radiance) in found.into_iter().chain(lit) {
             outcomes[accumulator as usize].radiance += radiance;
         }
-        paths = next;
     }
     split_paths.reduce(&mut outcomes);
     Traced {
@@ -193,16 +193,11 @@ struct EdgeResult {
 /// One edge.
 fn step<'s>(
     view: &View<'s>,
-    ray: &Ray,
+    (ray, hit): (&Ray, &Hit),
     (path, outcome): (&mut GuidedPath, &mut Outcome),
     mut output: GuidedOutput<'_, 's>,
     steps: &mut Vec<Step>,
 ) -> EdgeResult {
-    let rays = &view.scene.rays;
-    // By the batch query, as in a render: a ray of a packet may differ from a single one in the
-    // last bit.
-    let mut hit = [Hit::NONE];
-    rays.intersect_batch(&[*ray], &mut hit);
     let Path {
         throughput,
         pdf,
@@ -212,29 +207,20 @@ fn step<'s>(
     let before = (outcome.radiance, output.found.len());
     outcome.radiance = Rgb::ZERO;
     let context = view.context();
-    let result = bounce(
-        &context,
-        (ray, &hit[0]),
-        &mut output,
-        path,
-        outcome,
-        &mut (),
-    );
+    let result = bounce(&context, (ray, hit), &mut output, path, outcome, &mut ());
     let met = outcome.radiance;
     outcome.radiance = before.0 + met;
     let light = result.shadow.map(|(shadow, brought)| {
-        let mut blocked = [false];
-        rays.occluded_batch(&[shadow], &mut blocked);
         let light = LightBrought {
             radiance: brought.offer.radiance(&view.scene.lights),
-            blocked: blocked[0],
+            blocked: view.scene.is_blocked(&shadow),
         };
         (brought.accumulator, light)
     });
     steps.push(Step {
         way: accumulator,
         ray: *ray,
-        hit: hit[0],
+        hit: *hit,
         throughput,
         pdf,
         met,

@@ -4,15 +4,14 @@
 //! scene's z axis from -pi to pi, y the angle from +z down to -z), so that they can be compared
 //! cell by cell.
 
-use crate::accel::{Hit, Ray};
 use crate::camera::{Camera, CameraRay};
 use crate::integrate::context::PathContext;
 use crate::integrate::guiding::Guide;
 use crate::integrate::settings::PathSettings;
 use crate::integrate::wave::Wave;
-use crate::math::offset::offset_origin;
 use crate::math::{PathSampler, Rgb, Vec2, Vec3};
 use crate::scene::Scene;
+use crate::scene::interaction::Interaction;
 use crate::texture::SurfacePoint;
 use rayon::prelude::*;
 use std::f32::consts::PI;
@@ -28,18 +27,11 @@ pub struct LatLong {
     pub pixels: Vec<Rgb>,
 }
 
-/// The first surface point that a pixel's centre sees.
-pub fn seen_from<'a>(
-    scene: &'a Scene,
-    camera: &Camera,
-    pixel: Vec2,
-) -> Option<(SurfacePoint<'a>, Vec3)> {
+/// What a pixel's centre sees first.
+pub fn seen_from<'a>(scene: &'a Scene, camera: &Camera, pixel: Vec2) -> Option<Interaction<'a>> {
     let CameraRay { ray, .. } = camera.ray(pixel, Vec2::splat(0.5));
-    let mut hits = [Hit::NONE];
-    scene.rays.intersect_batch(&[ray], &mut hits);
-    let hit = hits[0];
-    hit.is_some()
-        .then(|| (scene.surfaces.point(&ray, &hit, 0.0), -ray.dir))
+    let hit = scene.first_hit(&ray);
+    scene.surfaces.interaction(&ray, &hit, 0.0)
 }
 
 /// Direction at a place of the image, both coordinates in [0, 1).
@@ -128,10 +120,9 @@ pub fn brute_force(
                 continue;
             }
             cosines.push(cosine);
-            let ray = Ray::new(offset_origin(point.p, point.error, point.ng, w), w);
             wave.push(
                 CameraRay {
-                    ray,
+                    ray: point.spawn_ray(w),
                     cone_width: 0.0,
                     cone_spread: 0.0,
                 },

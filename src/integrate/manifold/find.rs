@@ -12,10 +12,11 @@ use crate::bsdf::{LobeFlags, Transport};
 use crate::integrate::context::View;
 use crate::integrate::guiding::is_guidable;
 use crate::light::CausticEmitter;
-use crate::math::offset::offset_origin;
 use crate::math::{PathSampler, Vec2, Vec3};
 use crate::photon::schedule::Budget;
 use crate::scene::Scene;
+use crate::scene::interaction::Interaction;
+use crate::scene::wavefront::Wavefront;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -148,7 +149,7 @@ impl Light<'_> {
         flown.into_iter().flatten().collect()
     }
 
-    fn start(&self, scene: &Scene, window: &Window, photon: u64) -> Option<(Ray, Flight)> {
+    fn start(&self, scene: &Scene, window: &Window, photon: u64) -> Option<(Flight, Ray)> {
         let number = u64::from(self.number) ^ CHAINS;
         let mut sampler = PathSampler::independent(self.seed, photon, number);
         let [u, v] = [sampler.next4(), sampler.next4()];
@@ -160,28 +161,17 @@ impl Light<'_> {
             chain: SpecularChain::EMPTY,
             last: Vec3::ZERO,
         };
-        Some((ray, flight))
+        Some((flight, ray))
     }
 
     fn wave(&self, scene: &Scene, window: &Window, range: Range<u64>) -> Vec<Flown> {
-        let (mut rays, mut flights): (Vec<Ray>, Vec<Flight>) = range
-            .filter_map(|photon| self.start(scene, window, photon))
-            .unzip();
-        let (mut hits, mut flown) = (Vec::new(), Vec::new());
-        while !rays.is_empty() {
-            hits.resize(rays.len(), Hit::NONE);
-            scene.rays.intersect_batch(&rays, &mut hits);
-            let mut kept = 0;
-            for i in 0..rays.len() {
-                let mut flight = flights[i];
-                let next = self.land(scene, (&rays[i], &hits[i]), &mut flight, &mut flown);
-                let Some(ray) = next else { continue };
-                rays[kept] = ray;
-                flights[kept] = flight;
-                kept += 1;
-            }
-            rays.truncate(kept);
-            flights.truncate(kept);
+        let mut wavefront = Wavefront::default();
+        wavefront.extend(range.filter_map(|photon| self.start(scene, window, photon)));
+        let mut flown = Vec::new();
+        while !wavefront.is_empty() {
+            wavefront.advance(scene, |flight: &mut Flight, ray, hit| {
+                self.land(scene, (ray, hit), flight, &mut flown)
+            });
         }
         flown
     }
@@ -194,14 +184,9 @@ impl Light<'_> {
         flight: &mut Flight,
         flown: &mut Vec<Flown>,
     ) -> Option<Ray> {
-        if !hit.is_some() {
-            return None;
-        }
-        let surfaces = &scene.surfaces;
-        let point = surfaces.point(ray, hit, 0.0);
-        let wo = -ray.dir;
-        let material = surfaces.list[hit.shape as usize].material;
-        let bsdf = surfaces.materials.resolve(material, &point, wo);
+        let met = scene.surfaces.interaction(ray, hit, 0.0)?;
+        let bsdf = scene.surfaces.bsdf(&met);
+        let Interaction { point, wo, .. } = met;
         if is_guidable(&bsdf) && !flight.chain.is_empty() {
             let landed = Landed {
                 receiver: Receiver::new(&point, &bsdf, wo),
@@ -221,8 +206,7 @@ impl Light<'_> {
         }
         flight.chain = flight.chain.before(sample.lobe);
         flight.last = point.p;
-        let org = offset_origin(point.p, point.error, point.ng, sample.wi);
-        Some(Ray::new(org, sample.wi))
+        Some(point.spawn_ray(sample.wi))
     }
 }
 

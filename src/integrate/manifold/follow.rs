@@ -4,7 +4,6 @@ use super::ray_differential::RayDifferential;
 use crate::accel::{Hit, Ray};
 use crate::bsdf::{Bsdf, BsdfSample, LobeFlags, Transport};
 use crate::math::frame::normals_disagree;
-use crate::math::offset::offset_origin;
 use crate::math::rng::BELOW_ONE;
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::scene::Scene;
@@ -121,37 +120,24 @@ fn lobe(bsdf: &Bsdf, wo: Vec3, kind: u32) -> Option<BsdfSample> {
 
 /// Where the ray goes on from what it met, by a lobe of the kind.
 fn pass(scene: &Scene, arrived: Arrived, hit: &Hit, kind: u32, strict: bool) -> Option<Arrived> {
-    if !hit.is_some() {
-        return None;
-    }
     let Arrived {
         ray,
         mut cone,
         pencil,
         ..
     } = arrived;
-    let wo = -ray.dir;
     cone.grow(hit.t);
-    let point = scene.surfaces.point(&ray, hit, cone.width);
-    let surface = &scene.surfaces.list[hit.shape as usize];
-    let bsdf = scene
-        .surfaces
-        .materials
-        .resolve(surface.material, &point, wo);
-    let sample = lobe(&bsdf, wo, kind)?;
-    if strict
-        && (normals_disagree(point.normals(), sample.wi) || normals_disagree(point.normals(), wo))
-    {
+    let met = scene.surfaces.interaction(&ray, hit, cone.width)?;
+    let sample = lobe(&scene.surfaces.bsdf(&met), met.wo, kind)?;
+    let point = &met.point;
+    if strict && normals_disagree(point.normals(), [sample.wi, met.wo]) {
         return None;
     }
     Some(Arrived {
-        ray: Ray::new(
-            offset_origin(point.p, point.error, point.ng, sample.wi),
-            sample.wi,
-        ),
+        ray: point.spawn_ray(sample.wi),
         weight: arrived.weight * sample.weight,
         cone,
-        pencil: pencil.and_then(|p| p.pass(scene, (&ray, hit), &point, &sample)),
+        pencil: pencil.and_then(|p| p.pass(scene, (&ray, hit), point, &sample)),
     })
 }
 
@@ -191,9 +177,8 @@ fn walk(
     };
     let mut kinds = chain.0;
     while kinds != 0 {
-        let mut hits = [Hit::NONE];
-        scene.rays.intersect_batch(&[arrived.ray], &mut hits);
-        arrived = pass(scene, arrived, &hits[0], kinds & 3, strict)?;
+        let hit = scene.first_hit(&arrived.ray);
+        arrived = pass(scene, arrived, &hit, kinds & 3, strict)?;
         kinds >>= 2;
     }
     Some(arrived)

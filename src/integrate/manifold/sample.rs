@@ -4,7 +4,6 @@ use super::chains::{SpecularChains, owner, total};
 use super::follow::{Arrived, Cone, follow};
 use super::newton::solve;
 use super::receiver::Receiver;
-use crate::accel::Hit;
 use crate::bsdf::Transport;
 use crate::integrate::context::PathContext;
 use crate::integrate::vertex::Vertex;
@@ -94,7 +93,7 @@ impl SpecularChains {
         }
         let strict = context.settings.strict_normals;
         let normals = vertex.point.normals();
-        if strict && (normals_disagree(normals, dir) || normals_disagree(normals, vertex.wo)) {
+        if strict && normals_disagree(normals, [dir, vertex.wo]) {
             return None;
         }
         let (f, bsdf_pdf) = vertex.bsdf.eval_pdf(vertex.wo, dir, Transport::Radiance);
@@ -119,20 +118,11 @@ fn shining(scene: &Scene, caustic_emitter: &CausticEmitter, arrived: &Arrived) -
         if !caustic_emitter.is(Shining::Sky(ray.dir)) {
             return None;
         }
-        let mut blocked = [false];
-        scene.rays.occluded_batch(&[ray], &mut blocked);
-        return (!blocked[0]).then(|| scene.lights.environment(ray.dir));
+        return (!scene.is_blocked(&ray)).then(|| scene.lights.environment(ray.dir));
     }
-    let mut hits = [Hit::NONE];
-    scene.rays.intersect_batch(&[ray], &mut hits);
-    let hit = &hits[0];
-    let surface = hit
-        .is_some()
-        .then(|| &scene.surfaces.list[hit.shape as usize])?;
-    if !caustic_emitter.is(Shining::Shape(surface.emitter)) {
-        return None;
-    }
+    let hit = scene.first_hit(&ray);
     cone.grow(hit.t);
-    let point = scene.surfaces.point(&ray, hit, cone.width);
-    Some(scene.emitted(surface, &point, -ray.dir))
+    let met = scene.surfaces.interaction(&ray, &hit, cone.width)?;
+    let shines = caustic_emitter.is(Shining::Shape(met.surface.emitter));
+    shines.then(|| scene.emitted(&met))
 }

@@ -5,13 +5,14 @@ use super::guess::Guess;
 use super::newton::{curved, solve};
 use super::ray_differential::RayDifferential;
 use super::receiver::Receiver;
-use crate::accel::{AnalyticKind, AnalyticShape, Backend, BuildSettings, Hit, Ray};
+use crate::accel::{AnalyticKind, AnalyticShape, Backend, BuildSettings, Ray};
 use crate::bsdf::material::{Conductor, Dielectric, Diffuse};
 use crate::bsdf::{LobeFlags, Material, MaterialId, Materials};
 use crate::light::{Emitter, SunSky};
 use crate::math::{Affine3A, Rgb, Vec3};
+use crate::scene::interaction::Interaction;
 use crate::scene::{Description, Geometry, Scene, Shape};
-use crate::texture::{SurfacePoint, Texture};
+use crate::texture::Texture;
 use std::f32::consts::FRAC_PI_2;
 
 #[test]
@@ -123,20 +124,18 @@ fn floor_and_mirror() -> Scene {
     Scene::build(&mut description, BuildSettings::default(), Backend::Obvhs).unwrap()
 }
 
-/// What a ray meets, and its material.
-fn met<'s>(scene: &'s Scene, ray: &Ray) -> (SurfacePoint<'s>, MaterialId) {
-    let mut hits = [Hit::NONE];
-    scene.rays.intersect_batch(&[*ray], &mut hits);
-    let point = scene.surfaces.point(ray, &hits[0], 0.0);
-    (point, scene.surfaces.list[hits[0].shape as usize].material)
+/// What a ray meets.
+fn met<'s>(scene: &'s Scene, ray: &Ray) -> Interaction<'s> {
+    let hit = scene.first_hit(ray);
+    let met = scene.surfaces.interaction(ray, &hit, 0.0);
+    met.expect("something is there")
 }
 
 /// A place of the floor.
 fn on_floor(scene: &Scene, x: f32, z: f32) -> Receiver {
     let ray = Ray::new(Vec3::new(x, 0.5, z), -Vec3::Y);
-    let (point, material) = met(scene, &ray);
-    let bsdf = scene.surfaces.materials.resolve(material, &point, Vec3::Y);
-    Receiver::new(&point, &bsdf, Vec3::Y)
+    let met = met(scene, &ray);
+    Receiver::new(&met.point, &scene.surfaces.bsdf(&met), Vec3::Y)
 }
 
 /// The sun's image in a cylinder is as far away as the sun for who moves along it, and close behind
@@ -177,7 +176,7 @@ fn a_seed_follows_the_suns_image_in_a_cylinder() {
     let sideways = Vec3::X.cross(dir).normalize();
     let turned = (seen(&seed, &moved) - dir).dot(sideways);
     let aside = (moved.position - receiver.position).dot(sideways);
-    let mirror = met(&scene, &receiver.ray(dir)).0.p;
+    let mirror = met(&scene, &receiver.ray(dir)).point.p;
     let normal = (mirror - AXIS).reject_from(Vec3::X).normalize();
     let across = dir.reject_from(Vec3::X);
     let cosine = -across.normalize().dot(normal);

@@ -106,9 +106,7 @@ impl<'e, 's> Reconnector<'e, 's> {
             return;
         }
         let strict = self.context.settings.strict_normals;
-        if strict
-            && (normals_disagree(prefix.normals, wi) || normals_disagree(prefix.normals, prefix.wo))
-        {
+        if strict && normals_disagree(prefix.normals, [wi, prefix.wo]) {
             return;
         }
         let (f, bsdf_pdf) = prefix.bsdf.eval_pdf(prefix.wo, wi, Transport::Radiance);
