@@ -16,6 +16,7 @@ use twintree::light::Emitter;
 use twintree::math::{Affine3A, Rgb, Vec2, Vec3};
 use twintree::photon::PhotonSettings;
 use twintree::photon::schedule::Budget;
+use twintree::scene::interaction::Interaction;
 
 const PI: f32 = std::f32::consts::PI;
 

@@ -49,7 +49,7 @@ pub struct GuideArgs {
         long,
         value_name = "N",
         default_value_t = REUSE,
-        value_parser = value_parser!(u32).range(1..=i64::from(reuse::MOST)),
+        value_parser = value_parser!(u32).range(1..=i64::from(reuse::MAX_GROUP)),
         help_heading = "Guiding"
     )]
     pub reuse: u32,

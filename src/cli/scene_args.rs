@@ -2,7 +2,7 @@
 
 use super::values::{self, Definition};
 use crate::math::DVec3;
-use crate::scene::import::default_scene::{self, Sky, View};
+use crate::scene::import::default_scene::{self, Sky, Viewpoint};
 use crate::scene::import::models::palette::Paint;
 use clap::{Args, Subcommand, ValueEnum};
 use std::ffi::OsString;
@@ -53,7 +53,7 @@ pub struct StudioArgs {
         allow_hyphen_values = true,
         help_heading = "Models without a scene"
     )]
-    pub camera: Option<View>,
+    pub camera: Option<Viewpoint>,
     /// Point that the camera looks at [default: the middle of the models]
     #[arg(long, value_name = "X,Y,Z", value_parser = default_scene::point, allow_hyphen_values = true, help_heading = "Models without a scene")]
     pub look_at: Option<DVec3>,

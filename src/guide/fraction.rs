@@ -10,7 +10,7 @@
 use super::adam::Adam;
 use super::bytes::{Reader, Writer};
 use super::field::Field;
-use super::light_chance::{LEAST as LEAST_LIGHT, LightChance};
+use super::light_chance::{LEAST_LIGHT, LightChance};
 use super::record::weight;
 use crate::math::rng::{hash64, unit_f32};
 use crate::math::{Rgb, Vec3};
@@ -41,7 +41,7 @@ pub struct FractionRecord {
     /// What the light sample brought, as it counted in the image, for the throughput 1.
     pub light: f32,
     /// The chance with which there was a light sample.
-    pub light_chance: f32,
+    pub light_probability: f32,
     /// All light that the vertex sent on, for the throughput 1.
     pub reflected: f32,
 }
@@ -79,7 +79,7 @@ impl Habits {
     }
 
     fn learn_one(&mut self, r: &FractionRecord, unit: f64, lacking: &mut [f64; 2]) {
-        self.light.add(r.light, r.light_chance, r.reflected);
+        self.light.add(r.light, r.light_probability, r.reflected);
         let f = f64::from(weight(r.value)) / unit;
         let [p, guide, bsdf] = [r.pdf, r.guide_pdf, r.bsdf_pdf].map(f64::from);
         if !(p > 0.0 && f >= 0.0 && (guide + bsdf + f + p).is_finite()) {

@@ -4,7 +4,7 @@
 //! touched for the first time costs as much as what is done with it. So batches are read where they
 //! lie, in as many parts as they were made in, and a piece at a time is turned into deposits.
 
-use super::links::Place;
+use super::links::ProductPosition;
 use super::model::Look;
 use super::quantise::{Dropped, Intake, batch_unit};
 use super::recent::Vertex;
@@ -179,7 +179,7 @@ impl Trainer {
             self.intakes.dropped_non_finite += piece.non_finite;
             self.intakes.dropped_direction += piece.bad_direction;
         }
-        let mut places = vec![Place::ROOT; count];
+        let mut places = vec![ProductPosition::ROOT; count];
         let order = self.descend(&usable, &mut places, true);
         self.add_up(&usable, &order, (unit, origin), Look::First);
         self.recent.keep(&usable, &places);

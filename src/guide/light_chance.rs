@@ -16,7 +16,7 @@ use super::bytes::{Reader, Writer};
 
 /// No light is sampled less often than this: the cell may have been unlucky so far. (0.1 and 0.3
 /// measure the same in six scenes.)
-pub const LEAST: f32 = 0.2;
+pub const LEAST_LIGHT: f32 = 0.2;
 
 /// The chance over the ratio of both roots. In veach-ajar half of it takes 3 % of the rays and adds
 /// a tenth to the variance; light samples everywhere would cost a tenth more rays and gain nothing.
@@ -82,7 +82,7 @@ impl LightChance {
         }
     }
 
-    /// The chance that follows, within [`LEAST`] and 1.
+    /// The chance that follows, within [`LEAST_LIGHT`] and 1.
     pub fn chance(&self) -> f32 {
         // Nothing was met, or all was dark.
         if self.reflected <= 0.0 {
@@ -90,7 +90,7 @@ impl LightChance {
         }
         let vertices = self.squares * self.count / self.reflected;
         let chance = EAGERNESS * ((vertices + PRIOR) / (self.count + PRIOR)).sqrt();
-        (chance as f32).clamp(LEAST, 1.0)
+        (chance as f32).clamp(LEAST_LIGHT, 1.0)
     }
 }
 
@@ -111,7 +111,7 @@ mod tests {
     fn light_is_sampled_until_it_is_known_to_be_blocked() {
         assert_eq!(LightChance::default().chance(), 1.0);
         assert_eq!(after(396, 0.0, 1), 0.5);
-        assert_eq!(after(10_000, 0.0, 1), LEAST);
+        assert_eq!(after(10_000, 0.0, 1), LEAST_LIGHT);
     }
 
     #[test]
@@ -120,7 +120,7 @@ mod tests {
         assert!((after(100_000, 0.1, 1) - 5.0 / 11.0).abs() < 0.01);
         // One sample in a hundred brings a hundred times what else there is.
         assert_eq!(after(10_000, 100.0, 100), 1.0);
-        assert_eq!(after(10_000, 0.01, 100), LEAST);
+        assert_eq!(after(10_000, 0.01, 100), LEAST_LIGHT);
     }
 
     #[test]

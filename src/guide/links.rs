@@ -33,13 +33,13 @@ pub(crate) struct Link {
 
 /// Where a descent stands: a node of P and how deep it is in R and in Q.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Place {
+pub(crate) struct ProductPosition {
     pub node: u32,
     pub space_level: u8,
     pub direction_level: u8,
 }
 
-impl Place {
+impl ProductPosition {
     pub const ROOT: Self = Self {
         node: 0,
         space_level: 0,
@@ -54,17 +54,17 @@ pub(crate) fn step(
     grid: &Grid,
     key: u64,
     code: u32,
-    at: Place,
-) -> Option<Place> {
+    at: ProductPosition,
+) -> Option<ProductPosition> {
     let n = nodes[at.node as usize];
     match n.split {
         Split::Leaf => None,
-        Split::Space => Some(Place {
+        Split::Space => Some(ProductPosition {
             node: n.first + grid.octant(key, at.space_level),
             space_level: at.space_level + 1,
             ..at
         }),
-        Split::Direction => Some(Place {
+        Split::Direction => Some(ProductPosition {
             node: n.first + quadrant(code, at.direction_level),
             direction_level: at.direction_level + 1,
             ..at
@@ -104,7 +104,7 @@ impl Product {
     /// The leaf link that holds a position and a direction.
     #[cfg(test)]
     pub fn find(&self, grid: &Grid, key: u64, code: u32) -> u32 {
-        let mut at = Place::ROOT;
+        let mut at = ProductPosition::ROOT;
         while let Some(next) = step(&self.nodes, grid, key, code, at) {
             at = next;
         }

@@ -157,7 +157,7 @@ mod train;
 pub use field::Field;
 pub use file::FieldFile;
 pub use fraction::{Chances, FLOOR, FractionRecord, Fractions};
-pub use light_chance::LEAST as LEAST_LIGHT;
+pub use light_chance::LEAST_LIGHT;
 pub use model::ModelKind;
 pub use query::{GuideSample, LocalField};
 pub use record::{PathSample, Photon, SurfacePoint};

@@ -1,11 +1,11 @@
 //! The records of the last batch, kept for refining (see [`super::again`]).
 
-use super::links::Place;
+use super::links::ProductPosition;
 use super::record::{Deposit, Origin};
 
 /// Most records that are kept, some 70 bytes each. Of a larger batch the first ones have to speak
 /// for all: constants lose nothing but the way a known sum is spread, mixtures all the others.
-const MOST: usize = 1 << 22;
+const MAX_RECORDS: usize = 1 << 22;
 
 /// The records of the last batch.
 #[derive(Clone, Debug)]
@@ -14,7 +14,7 @@ pub(crate) struct Recent {
     /// Records of this origin before the batch.
     pub before: u64,
     pub deposits: Vec<Deposit>,
-    pub places: Vec<Place>,
+    pub places: Vec<ProductPosition>,
     pub vertices: Vec<Vertex>,
     /// How many are kept.
     pub most: usize,
@@ -30,7 +30,7 @@ pub(crate) struct Vertex {
 
 impl Default for Recent {
     fn default() -> Self {
-        Self::of(MOST)
+        Self::of(MAX_RECORDS)
     }
 }
 
@@ -43,7 +43,7 @@ impl Recent {
             deposits: Vec::new(),
             places: Vec::new(),
             vertices: Vec::new(),
-            most: most.min(MOST),
+            most: most.min(MAX_RECORDS),
         }
     }
 
@@ -60,12 +60,13 @@ impl Recent {
 
     /// Bytes held.
     pub fn bytes(&self) -> u64 {
-        let records = self.deposits.capacity() * (size_of::<Deposit>() + size_of::<Place>());
+        let records =
+            self.deposits.capacity() * (size_of::<Deposit>() + size_of::<ProductPosition>());
         (records + self.vertices.capacity() * size_of::<Vertex>()) as u64
     }
 
     /// Keeps records and their places, as long as there is room.
-    pub fn keep(&mut self, deposits: &[Deposit], places: &[Place]) {
+    pub fn keep(&mut self, deposits: &[Deposit], places: &[ProductPosition]) {
         let room = self.most.saturating_sub(self.deposits.len());
         let kept = deposits.len().min(room);
         self.deposits.extend_from_slice(&deposits[..kept]);

@@ -272,15 +272,16 @@ impl Trainer {
 /// too, else from the same directional distribution in every octant.
 fn joint_divergence(table: &super::tally::Table, measure: &[f64; 8], uniform: bool) -> Divergence {
     // At most eight octants of 16 direction cells; on the stack, as every link passes here.
-    const MOST: usize = 8 * 16;
-    let directions = table.directions().min(MOST / 8);
-    let (mut flux, mut expected, mut marginal) = ([0f64; MOST], [0f64; MOST], [0f64; MOST / 8]);
-    for (i, &e) in table.entries.iter().enumerate().take(MOST) {
+    const MAX_CELLS: usize = 8 * 16;
+    let directions = table.directions().min(MAX_CELLS / 8);
+    let (mut flux, mut expected, mut marginal) =
+        ([0f64; MAX_CELLS], [0f64; MAX_CELLS], [0f64; MAX_CELLS / 8]);
+    for (i, &e) in table.entries.iter().enumerate().take(MAX_CELLS) {
         flux[i] = f64::from(e);
         marginal[i % directions] += f64::from(e);
     }
     if uniform {
-        marginal = [1.0; MOST / 8];
+        marginal = [1.0; MAX_CELLS / 8];
     }
     for (i, e) in expected.iter_mut().enumerate().take(8 * directions) {
         *e = measure[i / directions] * marginal[i % directions];

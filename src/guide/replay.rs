@@ -6,7 +6,7 @@
 //! the tables of the new links, counting nothing twice, and the next round can look at these links.
 //! At last mixtures are fitted to the batch as the links have come to divide it.
 
-use super::links::{Place, step};
+use super::links::{ProductPosition, step};
 use super::model::Look;
 use super::recent::Recent;
 use super::record::{Deposit, Origin};
@@ -123,7 +123,7 @@ impl Trainer {
     pub(crate) fn descend(
         &self,
         deposits: &[Deposit],
-        places: &mut [Place],
+        places: &mut [ProductPosition],
         all: bool,
     ) -> Vec<u64> {
         let (nodes, grid) = (&self.product.nodes, &self.space.grid);

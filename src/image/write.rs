@@ -192,7 +192,7 @@ fn encode(
     images: &[Image],
     options: &WriteOptions,
 ) -> Result<(), String> {
-    use super::oiio::output::{Part, write};
+    use super::oiio::output::{ImagePart, write};
     let compression = match (options.compression, format) {
         (Compression::Quality(q), _) => format!("jpeg:{}", q.clamp(1, 100)),
         (_, Format::Jpeg) => "jpeg:92".into(),
@@ -210,14 +210,14 @@ fn encode(
     } else {
         "Linear"
     };
-    let parts: Vec<Part> = images
+    let parts: Vec<ImagePart> = images
         .iter()
         .map(|image| {
             let mut attributes = image.attributes.clone();
             attributes.push(Attribute::text("compression", compression.clone()));
             attributes.push(Attribute::text("oiio:ColorSpace", space));
             attributes.push(Attribute::int("oiio:UnassociatedAlpha", 1));
-            Part {
+            ImagePart {
                 image,
                 types: types(image, format, options),
                 tile,

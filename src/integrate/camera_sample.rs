@@ -50,8 +50,8 @@ impl Iteration {
     }
 
     /// Samples `samples` of tile number `tile`.
-    pub fn part(&self, samples: Range<u64>, tile: usize) -> Part<'_> {
-        Part {
+    pub fn part(&self, samples: Range<u64>, tile: usize) -> TileSamples<'_> {
+        TileSamples {
             samples,
             from: self.from,
             shares: self.shares.as_ref().map(|shares| &shares[tile]),
@@ -61,7 +61,7 @@ impl Iteration {
 
 /// Samples of a tile.
 #[derive(Clone, Debug)]
-pub struct Part<'s> {
+pub struct TileSamples<'s> {
     /// Their numbers.
     pub samples: Range<u64>,
     /// First sample of their iteration.
@@ -70,7 +70,7 @@ pub struct Part<'s> {
     shares: Option<&'s TileShares>,
 }
 
-impl Part<'_> {
+impl TileSamples<'_> {
     /// How many samples of a tile take about so many paths; at least one.
     pub fn samples_of(&self, paths: u64, tile: &Tile) -> u64 {
         let area = tile.area() as f32;

@@ -76,7 +76,7 @@ pub(super) fn record_departure(
         position: vertex.point.p,
         normal: vertex.point.facing(vertex.wo),
         arrival: *arrival,
-        light_chance: single.map(GuidedVertex::light_chance),
+        light_probability: single.map(GuidedVertex::light_probability),
         direction,
     };
     observer.depart(path.accumulator, departure);

@@ -30,7 +30,10 @@ pub(super) fn from_environment(
     let lights = &scene.lights;
     let (radiance, weight) = if path.pdf.is_finite() {
         let (radiance, pdf) = lights.environment_pdf(path.from, path.from_normal, ray.dir);
-        (radiance, power_heuristic(path.pdf, pdf * path.light_chance))
+        (
+            radiance,
+            power_heuristic(path.pdf, pdf * path.light_probability),
+        )
     } else {
         let weight = weight_after_delta(Shining::Sky(ray.dir));
         (lights.environment(ray.dir), weight)
@@ -64,7 +67,7 @@ pub(super) fn emitted(
         let (from, n) = (path.from, path.from_normal);
         let lights = &scene.lights;
         let pdf = lights.pdf_area(from, n, emitter, point.prim, point.p, point.ng);
-        power_heuristic(path.pdf, pdf * path.light_chance)
+        power_heuristic(path.pdf, pdf * path.light_probability)
     } else {
         weight_after_delta(Shining::Shape(emitter))
     };

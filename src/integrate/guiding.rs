@@ -175,9 +175,9 @@ impl Guide {
     }
 
     /// Sets the rate of manifold next-event estimation, if there are chains to sample; 0 ends it.
-    pub fn set_manifold_rate(&mut self, chance: f32) {
-        let manifold = self.manifold.take().map(|m| m.with_rate(chance));
-        self.manifold = manifold.filter(|_| chance > 0.0);
+    pub fn set_manifold_rate(&mut self, rate: f32) {
+        let manifold = self.manifold.take().map(|m| m.with_rate(rate));
+        self.manifold = manifold.filter(|_| rate > 0.0);
     }
 
     /// The field at a vertex, the irradiance there and the chances of what to do; nothing without
@@ -226,7 +226,7 @@ impl GuidedVertex<'_> {
 
     /// How often to sample a light here.
     #[inline]
-    pub fn light_chance(&self) -> f32 {
+    pub fn light_probability(&self) -> f32 {
         self.chances.light
     }
 

@@ -31,7 +31,7 @@ struct Share {
     /// The probability with which it would be chosen if only one were.
     probability: f32,
     /// Probability to be followed.
-    chance: f32,
+    follow_probability: f32,
     /// Budget of the branch, at least 1.
     split_budget: f32,
 }
@@ -42,7 +42,7 @@ impl Share {
         let budget = path.split_budget * probability;
         Self {
             probability,
-            chance: budget.min(1.0),
+            follow_probability: budget.min(1.0),
             split_budget: budget.max(1.0),
         }
     }
@@ -51,7 +51,7 @@ impl Share {
     /// field guided the path last, is not to undo the split.
     #[inline]
     fn take(&self, path: &mut GuidedPath) {
-        let factor = self.probability / self.chance;
+        let factor = self.probability / self.follow_probability;
         path.base.throughput *= factor;
         path.reference_throughput *= factor;
         path.split_budget = self.split_budget;
@@ -101,9 +101,9 @@ pub fn split(
 ) -> Remainder {
     let delta = Share::of(path, split_delta.delta.pdf);
     let rest = Share::of(path, split_delta.rest.chance);
-    let takes_rest = guided || 1.0 - u <= rest.chance;
-    if u < delta.chance {
-        let again = (u / delta.chance).min(BELOW_ONE);
+    let takes_rest = guided || 1.0 - u <= rest.follow_probability;
+    if u < delta.follow_probability {
+        let again = (u / delta.follow_probability).min(BELOW_ONE);
         if !takes_rest {
             delta.take(path);
             return Remainder::Delta(go(path, arrival, Some(split_delta.delta), again));
@@ -121,7 +121,7 @@ pub fn split(
         return Remainder::Smooth(u);
     }
     rest.take(path);
-    Remainder::Smooth(((1.0 - u) / rest.chance).min(BELOW_ONE))
+    Remainder::Smooth(((1.0 - u) / rest.follow_probability).min(BELOW_ONE))
 }
 
 #[cfg(test)]
@@ -153,13 +153,13 @@ mod tests {
                 for share in shares {
                     let mut branch = path(budget);
                     share.take(&mut branch);
-                    let mean = branch.base.throughput.x * share.chance;
+                    let mean = branch.base.throughput.x * share.follow_probability;
                     assert!((mean / share.probability - 1.0).abs() < 1e-6);
                     assert_eq!(branch.base.throughput.x, branch.reference_throughput);
-                    branches += share.chance * branch.split_budget;
+                    branches += share.follow_probability * branch.split_budget;
                 }
                 assert!(branches <= budget * 1.000_001, "{branches} of {budget}");
-                assert!(shares[0].chance + shares[1].chance >= 1.0 - 1e-6);
+                assert!(shares[0].follow_probability + shares[1].follow_probability >= 1.0 - 1e-6);
             }
         }
     }
@@ -169,8 +169,8 @@ mod tests {
     #[test]
     fn roulette_has_an_even_number_whatever_lobe_was_drawn() {
         const NUMBERS: u32 = 4000;
-        let even = |numbers: &[f32], chance: f32| {
-            let expected = chance * NUMBERS as f32;
+        let even = |numbers: &[f32], probability: f32| {
+            let expected = probability * NUMBERS as f32;
             assert!((numbers.len() as f32 - expected).abs() <= 1.0);
             let step = 1.0 / expected;
             let mut sorted = numbers.to_vec();

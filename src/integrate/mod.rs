@@ -13,12 +13,12 @@
 //! 6. `scatter.rs`: plain path tracing at a vertex: emitter sampling (`next_event.rs`), BSDF
 //!    sampling, Russian roulette ([`roulette`]); `direction.rs`: the next ray.
 //!
-//! A guided path has more state ([`guided_path`]) and scatters otherwise (`guided_scatter.rs`): the
-//! field shapes directions ([`guiding`]), paths are split by what they are worth (`splitting.rs`)
-//! and among lobes (`lobe_splitting.rs`), specular chains are sampled ([`manifold`]), and pixels
-//! share suffixes ([`reuse`]). [`training`] learns the field from the image's first passes,
-//! [`adaptive`] spreads the samples of the later ones. [`debug`] looks into single samples and
-//! points.
+//! A guided path has more state ([`guided_path`]) and scatters otherwise (`guided_scatter.rs`,
+//! `guided_direction.rs`): the field shapes directions ([`guiding`]), paths are split by what they
+//! are worth (`splitting.rs`) and among lobes (`lobe_splitting.rs`), specular chains are sampled
+//! ([`manifold`]), and pixels share suffixes ([`reuse`]). [`training`] learns the field from the
+//! image's first passes, [`adaptive`] spreads the samples of the later ones. [`debug`] looks into
+//! single samples and points.
 //!
 //! # Decisions that rest on samples
 //!
@@ -49,6 +49,7 @@ mod context;
 pub mod debug;
 mod direction;
 mod emission;
+mod guided_direction;
 pub mod guided_path;
 mod guided_scatter;
 pub mod guiding;

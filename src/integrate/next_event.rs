@@ -43,13 +43,13 @@ pub struct ShadowRay {
 }
 
 /// A shadow ray with the light it would bring, if there is one. A light is sampled with probability
-/// `chance`: a field leaves it out where it seldom brings anything. `u` are uniform numbers.
+/// `probability`: a field leaves it out where it seldom brings anything. `u` are uniform numbers.
 #[inline(always)]
 pub(super) fn sample_light(
     context: &PathContext,
     vertex: &Vertex,
     path: &mut Path,
-    chance: f32,
+    probability: f32,
     mut u: [f32; 3],
 ) -> Option<(Ray, Offer)> {
     let PathContext {
@@ -58,17 +58,17 @@ pub(super) fn sample_light(
     let Vertex {
         point, bsdf, wo, ..
     } = *vertex;
-    path.light_chance = chance;
+    path.light_probability = probability;
     if !bsdf.flags().has(LobeFlags::SMOOTH) {
         path.from_normal = Vec3::ZERO;
         return None;
     }
     path.from_normal = bsdf.light_normal(wo);
-    if chance < 1.0 {
-        if u[0] >= chance {
+    if probability < 1.0 {
+        if u[0] >= probability {
             return None;
         }
-        u[0] = (u[0] / chance).min(BELOW_ONE);
+        u[0] = (u[0] / probability).min(BELOW_ONE);
     }
     let light = scene.lights.sample(point.p, path.from_normal, u)?;
     if drops(settings, vertex, light.dir) {
@@ -78,7 +78,7 @@ pub(super) fn sample_light(
     if f == Rgb::ZERO {
         return None;
     }
-    let light_pdf = light.pdf * chance;
+    let light_pdf = light.pdf * probability;
     let weight = if light.delta {
         1.0
     } else {

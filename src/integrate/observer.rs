@@ -46,9 +46,9 @@ pub struct Departure {
     pub normal: Vec3,
     /// How it came.
     pub arrival: Arrival,
-    /// The chance with which a light was sampled; `None` if no field was asked or the path was
+    /// The probability with which a light was sampled; `None` if no field was asked or the path was
     /// split.
-    pub light_chance: Option<f32>,
+    pub light_probability: Option<f32>,
     /// Where it went; `None` if it ended here, by roulette or for want of a direction.
     pub direction: Option<SampledDirection>,
 }

@@ -16,7 +16,7 @@ pub struct Path {
     /// The normal that light sampling was given there (zero: light from all sides).
     pub from_normal: Vec3,
     /// The probability with which a light was sampled there: 1 unless a field chose it.
-    pub light_chance: f32,
+    pub light_probability: f32,
     /// Product of relative indices of refraction.
     pub eta: f32,
     /// Edges so far.
@@ -41,7 +41,7 @@ impl Path {
             pdf: f32::INFINITY,
             from: camera.ray.org,
             from_normal: Vec3::ZERO,
-            light_chance: 1.0,
+            light_probability: 1.0,
             eta: 1.0,
             depth: 0,
             accumulator,

@@ -66,14 +66,19 @@ impl SplitPaths {
         branch
     }
 
-    /// Lets a path `go` on in several ways, each with its share of the throughput. The path itself
-    /// takes the first, with an accumulator of its own like the others.
+    /// Lets a path that arrived so `go` on in one way, or in several, each with its share of the
+    /// throughput. Then the path itself takes the first, with an accumulator of its own like the
+    /// others.
     pub fn split(
         &mut self,
         factor: u32,
         path: &mut GuidedPath,
+        arrival: &Arrival,
         mut go: impl FnMut(&mut GuidedPath, &Arrival) -> Option<Ray>,
     ) -> Option<Ray> {
+        if factor == 1 {
+            return go(path, arrival);
+        }
         path.base.throughput /= factor as f32;
         path.split_factor *= factor;
         let arrival = Arrival {

@@ -1,6 +1,6 @@
 //! The samples of a tile, a wave at a time.
 
-use super::camera_sample::{Iteration, Part, Start, add, first_ray};
+use super::camera_sample::{Iteration, Start, TileSamples, add, first_ray};
 use super::context::{PathContext, View};
 use super::guiding::Guidance;
 use super::observer::PathObserver;
@@ -129,7 +129,7 @@ impl<'a> Job<'a> {
         &self,
         context: &PathContext,
         tile: &mut Tile,
-        part: Part,
+        part: TileSamples,
         observer: &mut W,
         mut conclude: impl FnMut(&mut W, &Outcomes, &[Start]),
     ) -> u64 {
@@ -162,7 +162,7 @@ impl<'a> Job<'a> {
         &self,
         context: &PathContext,
         tile: &mut Tile,
-        part: Part,
+        part: TileSamples,
         observer: &mut W,
         conclude: impl FnMut(&mut W, &Outcomes, &[Start]),
     ) {
@@ -178,7 +178,7 @@ impl<'a> Job<'a> {
     fn begin(
         &self,
         tile: &Tile,
-        part: &Part,
+        part: &TileSamples,
         samples: Range<u64>,
         wave: &mut Wave,
         starts: &mut Vec<Start>,

@@ -4,7 +4,7 @@
 //! |M^-T n|`, so a uniform point of the unit shape has density `1 / (A J)` in the world.
 
 use super::cluster::Cluster;
-use super::incident::{Incident, Place, at_distance, solid_angle_density};
+use super::incident::{EmitterPlace, Incident, at_distance, solid_angle_density};
 use crate::accel::{AnalyticKind, AnalyticShape};
 use crate::math::warp::{concentric_disk, uniform_sphere};
 use crate::math::{Mat3, Vec2, Vec3};
@@ -135,7 +135,7 @@ impl AnalyticArea {
     #[inline]
     pub fn sample(&self, p: Vec3, u: Vec2) -> Option<Incident> {
         let (q, n, density) = self.point(u);
-        at_distance(p, q, n, density, Place::Surface)
+        at_distance(p, q, n, density, EmitterPlace::Surface)
     }
 
     /// `ng` is the normal at `q`, from which the stretch follows: `n = M^T N / |M^T N|` and `J =

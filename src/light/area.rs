@@ -3,7 +3,7 @@
 use super::EmitterShape;
 use super::analytic::AnalyticArea;
 use super::cluster::Cluster;
-use super::incident::Place;
+use super::incident::EmitterPlace;
 use super::leaf::Leaf;
 use super::quad::Quad;
 use super::sphere::Sphere;
@@ -134,21 +134,21 @@ impl AreaEmitter {
 
     /// Radiance at a sampled place.
     #[inline]
-    pub fn radiance_at(&self, q: Vec3, n: Vec3, place: Place) -> Rgb {
+    pub fn radiance_at(&self, q: Vec3, n: Vec3, place: EmitterPlace) -> Rgb {
         match self.constant {
             Some(c) => c,
             None => self.textured(q, n, place),
         }
     }
 
-    fn textured(&self, q: Vec3, n: Vec3, place: Place) -> Rgb {
+    fn textured(&self, q: Vec3, n: Vec3, place: EmitterPlace) -> Rgb {
         let mut point = SurfacePoint::at_uv(Vec2::ZERO);
         point.p = q;
         point.ng = n;
         point.frame = Frame::new(n);
         point.attributes = self.shape.attributes.as_deref();
         match (place, &self.shape.shape) {
-            (Place::Barycentric(prim, b), Shape::Triangles(mesh)) => {
+            (EmitterPlace::Barycentric(prim, b), Shape::Triangles(mesh)) => {
                 let vertices = mesh.triangles()[prim as usize];
                 point.prim = prim;
                 point.vertices = vertices;
@@ -156,7 +156,7 @@ impl AreaEmitter {
                 point.uv = self.triangle_uv(vertices, b);
             }
             (_, Shape::Analytic(exact)) => point.uv = exact_uv(exact, q),
-            (Place::Surface, Shape::Triangles(_)) => {}
+            (EmitterPlace::Surface, Shape::Triangles(_)) => {}
         }
         sanitized(self.radiance.eval(&point))
     }

@@ -65,8 +65,8 @@ impl Blocks {
             row_weight: &row_weight,
             value,
         };
-        let places: Vec<Place> = (0..count[0] * count[1])
-            .map(|block| Place::new(size, side, [block % count[0], block / count[0]]))
+        let places: Vec<CellBlock> = (0..count[0] * count[1])
+            .map(|block| CellBlock::new(size, side, [block % count[0], block / count[0]]))
             .collect();
         let weights: Vec<f64> = places
             .iter()
@@ -145,13 +145,13 @@ impl Blocks {
     }
 
     #[inline]
-    fn place(&self, block: [usize; 2]) -> Place {
-        Place::new(self.size, 1 << self.log_side, block)
+    fn place(&self, block: [usize; 2]) -> CellBlock {
+        CellBlock::new(self.size, 1 << self.log_side, block)
     }
 
     /// The first of a fine block's parts. (A block of one cell is fine.)
     #[inline]
-    fn cells_of(&self, block: usize, place: &Place) -> Option<usize> {
+    fn cells_of(&self, block: usize, place: &CellBlock) -> Option<usize> {
         let [first, end] = [self.first[block], self.first[block + 1]];
         ((end - first) as usize == place.size[0] * place.size[1]).then_some(first as usize)
     }
@@ -168,14 +168,14 @@ impl Blocks {
 
     /// Sines at the upper and the lower edge of a block.
     #[inline]
-    fn edges(&self, place: &Place) -> [f32; 2] {
+    fn edges(&self, place: &CellBlock) -> [f32; 2] {
         let first = place.first[1];
         [first, first + place.size[1]].map(|y| self.row_weight[y])
     }
 
     /// Density in a coarse block, `rows` below its upper edge.
     #[inline]
-    fn coarse(&self, place: &Place, probability: f32, rows: f32) -> f32 {
+    fn coarse(&self, place: &CellBlock, probability: f32, rows: f32) -> f32 {
         let [upper, lower] = self.edges(place);
         let here = upper + (lower - upper) * (rows / place.size[1] as f32);
         let share = (place.size[0] * place.size[1]) as f32;
@@ -190,12 +190,12 @@ impl Blocks {
 }
 
 /// The cells of a block.
-struct Place {
+struct CellBlock {
     first: [usize; 2],
     size: [usize; 2],
 }
 
-impl Place {
+impl CellBlock {
     #[inline]
     fn new(cells: [usize; 2], side: usize, block: [usize; 2]) -> Self {
         let first = block.map(|b| b * side);
@@ -235,7 +235,7 @@ impl<F: Fn(usize, usize) -> f32> Nodes<'_, F> {
     }
 
     /// Variance of the texels of a block over the square of their mean.
-    fn relative_variance(&self, place: &Place) -> f64 {
+    fn relative_variance(&self, place: &CellBlock) -> f64 {
         let (mut sum, mut squares) = (0.0, 0.0);
         for y in place.first[1]..=place.first[1] + place.size[1] {
             for x in place.first[0]..=place.first[0] + place.size[0] {

@@ -4,7 +4,7 @@ use crate::math::{Rgb, Vec2, Vec3};
 
 /// Where on an area light a sample fell, as its texture needs to know.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Place {
+pub(super) enum EmitterPlace {
     /// On a triangle of the mesh, at the weights of its second and third corner.
     Barycentric(u32, Vec2),
     /// On an exact shape: its texture coordinates follow from the position.
@@ -21,7 +21,7 @@ pub(super) struct Incident {
     /// Density in solid angle.
     pub pdf: f32,
     /// Where on the light.
-    pub place: Place,
+    pub place: EmitterPlace,
 }
 
 /// Light from a place without extent: unit direction to it, distance, irradiance facing it.
@@ -38,7 +38,7 @@ pub(super) fn at_distance(
     q: Vec3,
     n: Vec3,
     density: f32,
-    place: Place,
+    place: EmitterPlace,
 ) -> Option<Incident> {
     let to = q - p;
     let distance = to.length();
@@ -62,5 +62,5 @@ pub(super) fn at_distance(
 /// The density of [`at_distance`] alone; 0 where it draws nothing.
 #[inline]
 pub(super) fn solid_angle_density(p: Vec3, q: Vec3, n: Vec3, density: f32) -> f32 {
-    at_distance(p, q, n, density, Place::Surface).map_or(0.0, |i| i.pdf)
+    at_distance(p, q, n, density, EmitterPlace::Surface).map_or(0.0, |i| i.pdf)
 }

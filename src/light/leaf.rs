@@ -2,7 +2,7 @@
 
 use super::analytic::AnalyticArea;
 use super::cluster::Cluster;
-use super::incident::{DeltaIncident, Incident, Place};
+use super::incident::{DeltaIncident, EmitterPlace, Incident};
 use super::point::PointLight;
 use super::projector::Projector;
 use super::quad::Quad;
@@ -85,7 +85,7 @@ impl Leaf {
     }
 
     /// A point of a surface that glows, its normal, the density in area, and the place.
-    pub fn point(&self, u: Vec2) -> (Vec3, Vec3, f32, Place) {
+    pub fn point(&self, u: Vec2) -> (Vec3, Vec3, f32, EmitterPlace) {
         match self {
             Leaf::Triangle(l) => {
                 let (p, n, place) = l.point(u);
@@ -93,18 +93,18 @@ impl Leaf {
             }
             Leaf::Quad(l) => {
                 let (p, n) = l.point(u);
-                (p, n, 1.0 / l.area(), Place::Surface)
+                (p, n, 1.0 / l.area(), EmitterPlace::Surface)
             }
             Leaf::Sphere(l) => {
                 let (p, n) = l.point(u);
-                (p, n, 1.0 / l.area(), Place::Surface)
+                (p, n, 1.0 / l.area(), EmitterPlace::Surface)
             }
             Leaf::Analytic(l) => {
                 let (p, n, density) = l.point(u);
-                (p, n, density, Place::Surface)
+                (p, n, density, EmitterPlace::Surface)
             }
             Leaf::Point(_) | Leaf::Spot(_) | Leaf::Projector(_) => {
-                (Vec3::ZERO, Vec3::ZERO, 0.0, Place::Surface)
+                (Vec3::ZERO, Vec3::ZERO, 0.0, EmitterPlace::Surface)
             }
         }
     }

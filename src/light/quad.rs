@@ -3,7 +3,7 @@
 //! Rectangles", 2013), otherwise uniformly over its area, which is cheaper and, far away, as good.
 
 use super::cluster::Cluster;
-use super::incident::{Incident, Place, at_distance, solid_angle_density};
+use super::incident::{EmitterPlace, Incident, at_distance, solid_angle_density};
 use super::triangle::unit_normal;
 use crate::math::special::arc_cosines;
 use crate::math::{Vec2, Vec3};
@@ -142,7 +142,7 @@ impl Quad {
         }
         let Some(seen) = self.seen(p) else {
             let (q, n) = self.point(u);
-            return at_distance(p, q, n, 1.0 / self.area, Place::Surface);
+            return at_distance(p, q, n, 1.0 / self.area, EmitterPlace::Surface);
         };
         let (units, _) = self.rectangle?;
         let [x, y] = seen.place(u);
@@ -152,7 +152,7 @@ impl Quad {
             dir: to / distance,
             distance,
             pdf: 1.0 / seen.solid_angle,
-            place: Place::Surface,
+            place: EmitterPlace::Surface,
         })
     }
 

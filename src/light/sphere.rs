@@ -1,7 +1,7 @@
 //! A glowing sphere, sampled uniformly over the cone in which it is seen.
 
 use super::cluster::Cluster;
-use super::incident::{Incident, Place};
+use super::incident::{EmitterPlace, Incident};
 use crate::math::warp::{uniform_cone, uniform_cone_pdf, uniform_sphere};
 use crate::math::{Frame, Vec2, Vec3};
 use std::f32::consts::PI;
@@ -82,7 +82,7 @@ impl Sphere {
             dir,
             distance: distance.max(0.0),
             pdf: uniform_cone_pdf(one_minus_cos),
-            place: Place::Surface,
+            place: EmitterPlace::Surface,
         })
     }
 

@@ -16,7 +16,7 @@ const NONE: u32 = u32::MAX;
 
 /// Up to eight children.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Node {
+pub(super) struct LightNode {
     lanes: Lanes,
     /// Child nodes, or leaves with the mark.
     children: [u32; WIDTH],
@@ -28,7 +28,7 @@ type Link = u32;
 /// The tree. One light is a tree of no nodes.
 #[derive(Debug)]
 pub(super) struct LightTree {
-    nodes: Vec<Node>,
+    nodes: Vec<LightNode>,
     above_node: Vec<Link>,
     above_leaf: Vec<Link>,
     root: Cluster,
@@ -57,7 +57,7 @@ impl LightTree {
     /// Appends a node; its children's indices must be the ones they have or will have. At most
     /// eight.
     pub fn push(&mut self, children: &[(Cluster, Child)]) {
-        let mut node = Node {
+        let mut node = LightNode {
             lanes: Lanes::EMPTY,
             children: [0; WIDTH],
         };
@@ -138,7 +138,7 @@ impl LightTree {
 
     /// Bytes held.
     pub fn memory_bytes(&self) -> usize {
-        self.nodes.len() * (size_of::<Node>() + 4) + self.above_leaf.len() * 4
+        self.nodes.len() * (size_of::<LightNode>() + 4) + self.above_leaf.len() * 4
     }
 }
 

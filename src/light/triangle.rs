@@ -1,7 +1,7 @@
 //! A glowing triangle, sampled uniformly over its area.
 
 use super::cluster::Cluster;
-use super::incident::{Incident, Place, at_distance, solid_angle_density};
+use super::incident::{EmitterPlace, Incident, at_distance, solid_angle_density};
 use crate::math::warp::uniform_triangle;
 use crate::math::{Vec2, Vec3};
 
@@ -41,10 +41,10 @@ impl Triangle {
     }
 
     /// A point on it and its normal.
-    pub fn point(&self, u: Vec2) -> (Vec3, Vec3, Place) {
+    pub fn point(&self, u: Vec2) -> (Vec3, Vec3, EmitterPlace) {
         let b = uniform_triangle(u);
         let p = self.corner + self.edges[0] * b.x + self.edges[1] * b.y;
-        (p, self.normal, Place::Barycentric(self.prim, b))
+        (p, self.normal, EmitterPlace::Barycentric(self.prim, b))
     }
 
     #[inline]

@@ -33,7 +33,7 @@ const TELLING: u64 = 63 * FIRST;
 /// instead of 0.09.)
 const TELLING_LANDINGS: u64 = 1 << 15;
 /// Photons after which all trees are large enough.
-const MOST: u64 = 1 << 25;
+const MAX_PHOTONS: u64 = 1 << 25;
 
 /// Photons that are traced together before any has landed.
 const FIRST_PART: u64 = 1 << 18;
@@ -159,7 +159,7 @@ impl Schedule {
         let too_much = 2.0 * self.work > self.share * samples as f64;
         let too_long =
             time.is_some_and(|t| 2.0 * self.elapsed.as_secs_f64() > self.share * t.as_secs_f64());
-        too_much || too_long || self.learned || 2 * self.next > MOST
+        too_much || too_long || self.learned || 2 * self.next > MAX_PHOTONS
     }
 }
 
@@ -258,7 +258,7 @@ mod tests {
         assert_eq!(of(6 << 20, 0, 1.0), 1023 * FIRST);
         // Nothing left to learn, or no end of learning.
         assert_eq!(of(u64::MAX, 1, 0.001), TELLING);
-        assert_eq!(of(u64::MAX, 0, 1.0), MOST - FIRST);
+        assert_eq!(of(u64::MAX, 0, 1.0), MAX_PHOTONS - FIRST);
         // Few landings do not tell that nothing is left.
         let budget = Budget::AsNeeded {
             samples: u64::MAX,

@@ -10,7 +10,7 @@ use crate::math::Vec3;
 use obvhs::cwbvh::CwBvh;
 
 /// A geometry of the tree.
-pub struct Part {
+pub struct TreeGeometry {
     /// The caller's number.
     pub id: u32,
     /// Ask for opacity.
@@ -27,7 +27,7 @@ pub struct Tree {
     /// else. Empty for compact trees, which look them up in the mesh.
     corners: Vec<[Vec3; 3]>,
     /// Geometries that [`Item`]s point to.
-    pub parts: Vec<Part>,
+    pub parts: Vec<TreeGeometry>,
 }
 
 /// Where a ray meets an item.
@@ -72,9 +72,9 @@ impl Tree {
         instances: impl Iterator<Item = (u32, Bounds)>,
         settings: &BuildSettings,
     ) -> Self {
-        let parts: Vec<Part> = geometries
+        let parts: Vec<TreeGeometry> = geometries
             .iter()
-            .map(|g| Part {
+            .map(|g| TreeGeometry {
                 id: g.id,
                 masked: g.masked,
                 shape: g.shape.clone(),
@@ -180,7 +180,7 @@ impl Tree {
         limit: &mut f32,
         found: &mut impl FnMut(Found, f32) -> Next,
     ) -> Next {
-        let Part { shape, masked, .. } = &self.parts[part as usize];
+        let TreeGeometry { shape, masked, .. } = &self.parts[part as usize];
         let Shape::Analytic(shape) = shape else {
             return Next::Within(*limit);
         };
@@ -252,7 +252,7 @@ fn note(next: Next, limit: &mut f32) -> Next {
     next
 }
 
-fn corners_of(parts: &[Part], item: Item) -> [Vec3; 3] {
+fn corners_of(parts: &[TreeGeometry], item: Item) -> [Vec3; 3] {
     match item {
         Item::Triangle { part, prim } => match &parts[part as usize].shape {
             Shape::Triangles(mesh) => mesh.corners(prim),

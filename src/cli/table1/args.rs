@@ -63,7 +63,7 @@ pub struct Table1Args {
     pub paths: u64,
     /// How many pixels' paths share what they find, with every method that guides, as in "twintree
     /// render"; 1: each is for itself, as in the paper
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=i64::from(reuse::MOST)), help_heading = "Guiding")]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=i64::from(reuse::MAX_GROUP)), help_heading = "Guiding")]
     pub reuse: u32,
     /// Times that everything is done, with a seed of its own each; medians count. The methods take
     /// turns

@@ -1,7 +1,7 @@
 //! The frozen field: which record serves a point, and what it says.
 
 use super::near::Tree;
-use super::place::Place;
+use super::place::RecordPlace;
 use super::square;
 use crate::guide::GuideSample;
 use crate::guide::gaussian::{Domain, LOBES, Lobe, Mixture};
@@ -49,7 +49,7 @@ pub struct LocalMixture<'f> {
 }
 
 impl Mixtures {
-    pub(super) fn new(known: Vec<(Place, Rgb, Mixture)>) -> Self {
+    pub(super) fn new(known: Vec<(RecordPlace, Rgb, Mixture)>) -> Self {
         let positions: Vec<Vec3> = known.iter().map(|k| k.0.position).collect();
         let tree = Tree::new(&positions);
         let mut keys = Vec::with_capacity(known.len());
@@ -130,7 +130,7 @@ impl Mixtures {
                     covariance: [sx * sx, correlation * sx * sy, sy * sy],
                 }
             });
-            let place = Place {
+            let place = RecordPlace {
                 position,
                 normal,
                 radius: 0.2 * (max - min).length(),

@@ -16,7 +16,7 @@ const FEWEST: usize = 8;
 
 /// A place for a record.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Place {
+pub(super) struct RecordPlace {
     pub position: Vec3,
     pub normal: Vec3,
     pub radius: f32,
@@ -29,7 +29,7 @@ pub(super) fn places(
     points: &[SurfacePoint],
     photons: &[Photon],
     most: usize,
-) -> (Vec<Place>, Cover) {
+) -> (Vec<RecordPlace>, Cover) {
     let diagonal = settings.diagonal();
     let range = [
         settings.min_radius * diagonal,
@@ -42,12 +42,12 @@ pub(super) fn places(
         wanted: (settings.photons as usize / settings.batches as usize).max(FEWEST),
     };
     let mut cover = Cover::new(settings.min, range[0]);
-    let mut places: Vec<Place> = Vec::new();
+    let mut places: Vec<RecordPlace> = Vec::new();
     for block in points.chunks(BLOCK) {
-        let new: Vec<Place> = block
+        let new: Vec<RecordPlace> = block
             .par_iter()
             .filter(|p| !serves(settings, &cover, &places, p))
-            .map(|p| Place {
+            .map(|p| RecordPlace {
                 position: p.position,
                 normal: p.normal,
                 radius: density.radius(p, range),
@@ -69,7 +69,12 @@ pub(super) fn places(
 }
 
 /// Whether some record serves a point already.
-fn serves(settings: &Settings, cover: &Cover, places: &[Place], point: &SurfacePoint) -> bool {
+fn serves(
+    settings: &Settings,
+    cover: &Cover,
+    places: &[RecordPlace],
+    point: &SurfacePoint,
+) -> bool {
     let mut served = false;
     cover.near(point.position, |i| {
         let place = &places[i as usize];

@@ -2,7 +2,7 @@
 
 use super::Settings;
 use super::em::{Learning, Sample};
-use super::place::{Place, SAME_SIDE};
+use super::place::{RecordPlace, SAME_SIDE};
 use super::square;
 use crate::guide::Photon;
 use crate::guide::gaussian::{Domain, Mixture};
@@ -21,7 +21,7 @@ const DOUBT: f64 = 4.0;
 /// A record: where it stands and what it has heard.
 #[derive(Clone, Debug)]
 pub(super) struct Record {
-    pub place: Place,
+    pub place: RecordPlace,
     frame: Frame,
     /// Sum of powers, each times its kernel weight.
     flux: [f64; 3],
@@ -32,7 +32,7 @@ pub(super) struct Record {
 }
 
 impl Record {
-    pub fn new(place: Place, seed: u64) -> Self {
+    pub fn new(place: RecordPlace, seed: u64) -> Self {
         Self {
             place,
             frame: Frame::new(place.normal),
@@ -51,7 +51,7 @@ impl Record {
 
     /// The photon's weight here, from 1 at the centre to 0 at the rim; `None` if it is not heard.
     #[inline]
-    pub fn hears(place: &Place, photon: &Photon) -> Option<f32> {
+    pub fn hears(place: &RecordPlace, photon: &Photon) -> Option<f32> {
         let offset = photon.position - place.position;
         let share = offset.length_squared() / (place.radius * place.radius);
         let beside = offset.dot(place.normal).abs() <= SLAB * place.radius;

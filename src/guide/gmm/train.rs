@@ -3,7 +3,7 @@
 use super::Settings;
 use super::cover::Cover;
 use super::field::Mixtures;
-use super::place::{Place, places};
+use super::place::{RecordPlace, places};
 use super::record::Record;
 use crate::guide::record::weight;
 use crate::guide::{GuideError, Photon, SurfacePoint};
@@ -26,7 +26,7 @@ pub struct GmmTrainer {
 /// What the first photons decide.
 #[derive(Clone, Debug)]
 struct State {
-    places: Vec<Place>,
+    places: Vec<RecordPlace>,
     cover: Cover,
     records: Vec<Record>,
     /// Weight of a typical photon.
@@ -71,8 +71,9 @@ impl GmmTrainer {
     fn place(&self, photons: &[Photon]) -> State {
         let most = (self.settings.memory / Record::bytes(&self.settings)).min(u64::from(u32::MAX));
         let (places, cover) = places(&self.settings, &self.points, photons, most as usize);
-        let record =
-            |(i, p): (usize, &Place)| Record::new(*p, hash_all([self.settings.seed, i as u64]));
+        let record = |(i, p): (usize, &RecordPlace)| {
+            Record::new(*p, hash_all([self.settings.seed, i as u64]))
+        };
         let mean = photons
             .iter()
             .map(|p| f64::from(weight(p.power)))

@@ -1,7 +1,7 @@
 //! From links to lists.
 
-use super::{Caps, Entry, GROUPS, Lists, NONE, Node};
-use crate::guide::links::{Place, Product, Split, step};
+use super::{Caps, Entry, GROUPS, Lists, NONE, PackedNode};
+use crate::guide::links::{Product, ProductPosition, Split, step};
 use crate::guide::space::SpaceNode;
 use crate::guide::train::Trainer;
 use crate::math::equal_area::{CODE_LEVELS, DirectionCell};
@@ -138,7 +138,7 @@ impl Lists {
         let base = trainer.traits.base_level;
         let code = ((group as u64) << (2 * u32::from(CODE_LEVELS - base))) as u32;
         let nodes = &trainer.product.nodes;
-        let mut at = Place::ROOT;
+        let mut at = ProductPosition::ROOT;
         loop {
             let n = nodes[at.node as usize];
             let done = n.split == Split::Direction && at.direction_level >= base;
@@ -168,14 +168,14 @@ fn parents(nodes: &[SpaceNode]) -> Vec<u32> {
 }
 
 /// P as the field has it. A node keeps its number, as `entry` knows it by that.
-fn pack_nodes(product: &Product, slot_of: &[u32]) -> Vec<Node> {
+fn pack_nodes(product: &Product, slot_of: &[u32]) -> Vec<PackedNode> {
     product
         .nodes
         .iter()
         .map(|n| match n.split {
-            Split::Leaf => Node::new(slot_of[n.first as usize], 0),
-            Split::Space => Node::new(n.first, 1),
-            Split::Direction => Node::new(n.first, 2),
+            Split::Leaf => PackedNode::new(slot_of[n.first as usize], 0),
+            Split::Space => PackedNode::new(n.first, 1),
+            Split::Direction => PackedNode::new(n.first, 2),
         })
         .collect()
 }

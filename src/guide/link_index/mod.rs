@@ -35,16 +35,16 @@ pub(crate) const CELL_BYTES: usize = GROUPS * (12 + size_of::<Entry>()) + 16;
 /// Where a cell and base direction enter P.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Entry {
-    node: Node,
+    node: PackedNode,
     space_level: u8,
     direction_level: u8,
 }
 
 /// A node of P in 4 bytes: first child (or slot of the link), and how it divides in the low 2 bits.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Node(u32);
+struct PackedNode(u32);
 
-impl Node {
+impl PackedNode {
     fn new(first: u32, split: u32) -> Self {
         Self(first << 2 | split)
     }
@@ -64,7 +64,7 @@ pub(crate) struct Lists {
     cells_q: Vec<u32>,
     /// Each slot's model; empty where models have no parameters.
     model_of: Vec<u32>,
-    nodes: Vec<Node>,
+    nodes: Vec<PackedNode>,
     caps: Caps,
 }
 

@@ -10,7 +10,7 @@ const QUANTA: f64 = (1u64 << 40) as f64;
 /// counts.
 const SQUARE_QUANTA: f64 = (1u64 << 60) as f64;
 /// No sum of a file may be larger: what is added later must have room.
-const MOST: u128 = 1 << 120;
+const MAX_SUM: u128 = 1 << 120;
 /// A lobe that a record belongs to by less than this learns nothing from it.
 const LEAST_SHARE: f32 = 1e-6;
 /// How much of what is remembered counts beside new records.
@@ -182,7 +182,7 @@ impl Moments {
         new.remembered_square = input.f64().filter(|v| v.is_finite() && *v >= 0.0)?;
         let mut integer = || {
             let q = i128::from(input.u64()?) | i128::from(input.u64()? as i64) << 64;
-            (q.unsigned_abs() <= MOST).then_some(q)
+            (q.unsigned_abs() <= MAX_SUM).then_some(q)
         };
         for q in new.fresh.iter_mut().flatten() {
             *q = integer()?;

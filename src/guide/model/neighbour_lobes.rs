@@ -31,7 +31,7 @@ const NEAR: f32 = 4.4e-3;
 /// A lobe of less weight may be chance.
 const LEAST_WEIGHT: f32 = 0.01;
 /// No more narrow lobes are told apart.
-const MOST: usize = 64;
+const MAX_NARROW_LOBES: usize = 64;
 /// A cell that has met so many records is believed half as much as one that has met countless.
 const DOUBT: f64 = 16.0;
 /// Keeps the mixture's density positive.
@@ -90,7 +90,7 @@ pub(super) fn neighbour_lobes<'a>(
         let near = |n: &NeighbourLobe| n.place.distance_squared(lobe.mean) < NEAR * NEAR;
         let place = match neighbour_lobes.iter().position(near) {
             Some(place) => place,
-            None if neighbour_lobes.len() == MOST => continue,
+            None if neighbour_lobes.len() == MAX_NARROW_LOBES => continue,
             None => {
                 neighbour_lobes.push(NeighbourLobe {
                     place: lobe.mean,

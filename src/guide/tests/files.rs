@@ -160,7 +160,7 @@ fn kept(model: ModelKind) -> FieldFile {
             guide_pdf: 2.0 * rng.next_f32(),
             bsdf_pdf: rng.next_f32(),
             light: rng.next_f32(),
-            light_chance: 1.0,
+            light_probability: 1.0,
             reflected: 1.0,
         })
         .collect();

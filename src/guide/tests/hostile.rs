@@ -220,7 +220,7 @@ fn fractions_learn_which_strategy_pays() {
         guide_pdf,
         bsdf_pdf,
         light: 0.0,
-        light_chance: 1.0,
+        light_probability: 1.0,
         reflected: 1.0,
     };
     let mut records = Vec::new();

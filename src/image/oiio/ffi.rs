@@ -36,7 +36,7 @@ pub struct Info {
 }
 
 #[repr(C)]
-pub struct Part {
+pub struct RawPart {
     pub width: i32,
     pub height: i32,
     pub channels: i32,
@@ -102,7 +102,7 @@ functions! {
     pub fn twt_output_write(
         path: *const c_char,
         format: *const c_char,
-        parts: *const Part,
+        parts: *const RawPart,
         count: c_int,
         error: *mut c_char,
         error_len: usize,

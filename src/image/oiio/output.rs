@@ -7,7 +7,7 @@ use std::path::Path;
 use std::ptr;
 
 /// One part of a file: pixels and how to store them.
-pub struct Part<'a> {
+pub struct ImagePart<'a> {
     /// Pixels and channel names.
     pub image: &'a Image,
     /// How to store each channel.
@@ -18,7 +18,7 @@ pub struct Part<'a> {
     pub attributes: Vec<Attribute>,
 }
 
-/// The memory behind an [`ffi::Part`].
+/// The memory behind an [`ffi::RawPart`].
 struct Held {
     _texts: Vec<CString>,
     names: Vec<*const c_char>,
@@ -27,7 +27,7 @@ struct Held {
 }
 
 impl Held {
-    fn new(part: &Part) -> Self {
+    fn new(part: &ImagePart) -> Self {
         let mut texts = Vec::new();
         let mut hold = |s: &str| {
             texts.push(c_text(s));
@@ -64,7 +64,7 @@ impl Held {
 }
 
 /// Writes a file at `path`. The error is the reason alone.
-pub fn write(path: &Path, format: &str, parts: &[Part]) -> Result<(), String> {
+pub fn write(path: &Path, format: &str, parts: &[ImagePart]) -> Result<(), String> {
     let int = |n: usize| i32::try_from(n).map_err(|_| "the image is too large".to_string());
     for part in parts {
         let image = part.image;
@@ -84,7 +84,7 @@ pub fn write(path: &Path, format: &str, parts: &[Part]) -> Result<(), String> {
     let held: Vec<Held> = parts.iter().map(Held::new).collect();
     let mut raw = Vec::with_capacity(parts.len());
     for (part, held) in parts.iter().zip(&held) {
-        raw.push(ffi::Part {
+        raw.push(ffi::RawPart {
             width: int(part.image.width as usize)?,
             height: int(part.image.height as usize)?,
             channels: int(part.image.channels.len())?,

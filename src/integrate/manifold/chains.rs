@@ -76,7 +76,7 @@ impl SpecularChains {
             chain,
             caustic_emitter as u16,
         );
-        power_heuristic(rough_vertex.pdf, pdf * rough_vertex.chance)
+        power_heuristic(rough_vertex.pdf, pdf * rough_vertex.probability)
     }
 
     /// Density with which a receiver draws a direction whose chain is `chain` and ends in

@@ -39,11 +39,11 @@ const PHOTONS: u64 = 1 << 18;
 const SAMPLES_A_PHOTON: u64 = 16;
 /// So many for a second, where the time is limited: less than a twentieth of it.
 const PHOTONS_A_SECOND: f64 = 8192.0;
-/// No fewer, and no more: they are all held until the seeds are chosen, a hundred bytes each and
+/// No fewer, and no more: they are all held until the guesses are chosen, a hundred bytes each and
 /// twice for a moment.
 const LEAST_AND_MOST: (u64, u64) = (1 << 15, 1 << 19);
 /// Lights that are sampled: their numbers have 16 bits.
-const MOST_BEACONS: usize = 1 << 16;
+const MAX_LIGHTS: usize = 1 << 16;
 /// Photons in a wave: one task.
 const WAVE: u64 = 4096;
 
@@ -67,7 +67,7 @@ pub fn find_chains(view: &View, budget: Budget) -> Option<SpecularChains> {
 fn find(scene: &Scene, seed: u64, budget: Budget) -> Option<SpecularChains> {
     let photons = photons_for(budget);
     let mut caustic_emitters = scene.lights.caustic_emitters();
-    caustic_emitters.truncate(MOST_BEACONS);
+    caustic_emitters.truncate(MAX_LIGHTS);
     let mut landed = Vec::new();
     for (number, caustic_emitter) in caustic_emitters.iter().enumerate() {
         let light = Light {
@@ -81,25 +81,31 @@ fn find(scene: &Scene, seed: u64, budget: Budget) -> Option<SpecularChains> {
         let flown = light.shine(scene, &window, photons / caustic_emitters.len() as u64);
         landed.extend(flown.into_iter().map(|f| f.landed));
     }
-    let covers = |seeds: &[Guess], photon: &Landed| {
+    let covers = |guesses: &[Guess], photon: &Landed| {
         let Guess {
             chain,
             caustic_emitter,
             ..
-        } = photon.seed;
-        let owner = owner(seeds, &photon.receiver, photon.dir, chain, caustic_emitter)?;
+        } = photon.guess;
+        let owner = owner(
+            guesses,
+            &photon.receiver,
+            photon.dir,
+            chain,
+            caustic_emitter,
+        )?;
         let light = &caustic_emitters[caustic_emitter as usize];
-        let image = solve(scene, &photon.receiver, &seeds[owner], light, &mut 0)?;
+        let image = solve(scene, &photon.receiver, &guesses[owner], light, &mut 0)?;
         (image.pdf(photon.dir) > 0.0).then_some(owner)
     };
     let begin = |photon: &Landed| {
-        let light = &caustic_emitters[photon.seed.caustic_emitter as usize];
-        curved(scene, &photon.receiver, &photon.seed, light).unwrap_or(photon.seed)
+        let light = &caustic_emitters[photon.guess.caustic_emitter as usize];
+        curved(scene, &photon.receiver, &photon.guess, light).unwrap_or(photon.guess)
     };
-    let seeds = Guesses::new(landed, &begin, &covers);
-    (!seeds.is_empty()).then_some(SpecularChains {
+    let guesses = Guesses::new(landed, &begin, &covers);
+    (!guesses.is_empty()).then_some(SpecularChains {
         caustic_emitters,
-        guesses: seeds,
+        guesses,
     })
 }
 
@@ -191,7 +197,7 @@ impl Light<'_> {
             let landed = Landed {
                 receiver: Receiver::new(&point, &bsdf, wo),
                 dir: wo,
-                seed: Guess::new(point.p, wo, flight.last, flight.chain, self.number),
+                guess: Guess::new(point.p, wo, flight.last, flight.chain, self.number),
             };
             let at = flight.at;
             flown.push(Flown { at, landed });

@@ -145,9 +145,9 @@ mod tests {
 
     const PLACE: Vec3 = Vec3::new(5.0, -3.0, 1.0);
 
-    /// The sine of the angle between where a seed is seen from a place and where it should be.
-    fn error(seed: &Guess, place: Vec3, towards: Vec3) -> f32 {
-        let seen = seed.seen_from(place).normalize();
+    /// The sine of the angle between where a guess is seen from a place and where it should be.
+    fn error(guess: &Guess, place: Vec3, towards: Vec3) -> f32 {
+        let seen = guess.seen_from(place).normalize();
         seen.cross(towards.normalize()).length()
     }
 
@@ -157,7 +157,7 @@ mod tests {
         1e-5 + place.distance(PLACE) * nearness.abs() * (3.0 / 512.0)
     }
 
-    fn seed(towards: Vec3, curvature: [f32; 3]) -> (Guess, Frame) {
+    fn guess_at(towards: Vec3, curvature: [f32; 3]) -> (Guess, Frame) {
         let frame = Frame::new(towards.normalize());
         let flat = Guess::new(PLACE, frame.n, PLACE + frame.n, SpecularChain::EMPTY, 0);
         (flat.curved(PLACE, &frame, curvature).unwrap(), frame)
@@ -166,7 +166,7 @@ mod tests {
     #[test]
     fn what_a_photon_tells_is_an_image_at_its_pane() {
         let pane = Vec3::new(1.0, 0.0, 2.0);
-        let seed = Guess::new(
+        let guess = Guess::new(
             PLACE,
             (pane - PLACE).normalize(),
             pane,
@@ -175,7 +175,7 @@ mod tests {
         );
         for place in [PLACE, Vec3::ZERO, Vec3::new(2.0, 3.0, -1.0)] {
             let nearness = PLACE.distance(pane).recip();
-            assert!(error(&seed, place, pane - place) < rounding(place, nearness));
+            assert!(error(&guess, place, pane - place) < rounding(place, nearness));
         }
     }
 
@@ -189,7 +189,7 @@ mod tests {
             (near, -near.length().recip(), Some(back)),
             (near, 0.0, None),
         ] {
-            let (seed, _) = seed(towards, [nearness, 0.0, nearness]);
+            let (guess, _) = guess_at(towards, [nearness, 0.0, nearness]);
             for step in [
                 Vec3::ZERO,
                 Vec3::X,
@@ -200,7 +200,7 @@ mod tests {
                 let place = PLACE + 0.5 * step;
                 // Light that gathers in a point comes from there, or on to there.
                 let expected = image.map_or(towards, |image| image - place);
-                let error = error(&seed, place, expected);
+                let error = error(&guess, place, expected);
                 assert!(error < rounding(place, nearness), "{nearness} {step}");
             }
         }
@@ -209,20 +209,20 @@ mod tests {
     /// A rounded edge shows the sun next to itself, and as far along as it is.
     #[test]
     fn an_image_in_an_edge_turns_with_moves_across_it_alone() {
-        let (seed, frame) = seed(Vec3::new(0.3, 0.4, 1.0), [0.5, 0.0, 0.0]);
+        let (guess, frame) = guess_at(Vec3::new(0.3, 0.4, 1.0), [0.5, 0.0, 0.0]);
         let move_along = PLACE + frame.t * 0.4;
-        assert!(error(&seed, move_along, frame.n) < rounding(move_along, 0.5));
+        assert!(error(&guess, move_along, frame.n) < rounding(move_along, 0.5));
         let move_across = PLACE + frame.s * 0.4;
         let expected = frame.n * 2.0 - frame.s * 0.4;
-        assert!(error(&seed, move_across, expected) < rounding(move_across, 0.5));
+        assert!(error(&guess, move_across, expected) < rounding(move_across, 0.5));
         // Along neither: both at once.
         let slanted = [0.25, 0.25, 0.25];
-        let (seed, frame) = self::seed(Vec3::new(0.3, 0.4, 1.0), slanted);
+        let (guess, frame) = guess_at(Vec3::new(0.3, 0.4, 1.0), slanted);
         let place = PLACE + (frame.s - frame.t) * 0.4;
-        assert!(error(&seed, place, frame.n) < rounding(place, 0.5));
+        assert!(error(&guess, place, frame.n) < rounding(place, 0.5));
         let place = PLACE + (frame.s + frame.t) * 0.4;
         let expected = frame.n - (frame.s + frame.t) * 0.2;
-        assert!(error(&seed, place, expected) < rounding(place, 0.5));
+        assert!(error(&guess, place, expected) < rounding(place, 0.5));
     }
 
     #[test]

@@ -14,14 +14,14 @@ pub struct Landed {
     /// Towards where it came from.
     pub dir: Vec3,
     /// How it came.
-    pub seed: Guess,
+    pub guess: Guess,
 }
 
 /// Photons in a region, at most. The larger it is, the rarer are the images that no photon of a
 /// region has found, and the more guesses are far from a receiver (measured: `EXPERIMENTS.md`).
-const PER_REGION: usize = 160;
-/// Most seeds of a region.
-const MOST: usize = 48;
+const MAX_PHOTONS: usize = 160;
+/// Most guesses of a region.
+const MAX_GUESSES: usize = 48;
 
 /// How far beyond its photons a region reaches, relative to its size: some of what can be seen
 /// there lies between them and the next ones. (Measured: `EXPERIMENTS.md`.)
@@ -29,7 +29,7 @@ const MARGIN: f32 = 0.05;
 
 /// A node of the tree over space, in eight bytes.
 #[derive(Clone, Copy, Debug)]
-struct Node {
+struct RegionNode {
     /// Two bits: the axis that it is split along, or [`REGION`]. Thirty bits: its first child,
     /// which the second follows, or the region.
     what: u32,
@@ -40,7 +40,7 @@ struct Node {
 /// Instead of an axis: a region.
 const REGION: u32 = 3;
 
-impl Node {
+impl RegionNode {
     fn split(axis: usize, at: f32, first: usize) -> Self {
         Self::new(axis as u32, first, at)
     }
@@ -56,18 +56,18 @@ impl Node {
     }
 }
 
-/// Where photons have landed, and their seeds.
+/// Where photons have landed, and their guesses.
 #[derive(Clone, Copy, Debug)]
 struct Region {
     bounds: Bounds,
     first: u32,
-    seeds: u32,
+    guesses: u32,
 }
 
-/// All seeds.
+/// All guesses.
 #[derive(Debug)]
 pub struct Guesses {
-    nodes: Vec<Node>,
+    nodes: Vec<RegionNode>,
     regions: Vec<Region>,
     list: Vec<Guess>,
 }
@@ -78,20 +78,20 @@ fn bounds_of(landed: &[Landed]) -> Bounds {
 }
 
 impl Guesses {
-    /// From all photons. `begin` makes a photon's seed, `covers` tells which of a region's seeds
+    /// From all photons. `begin` makes a photon's guess, `covers` tells which of a region's guesses
     /// leads to the way a photon came.
     pub fn new(
         mut landed: Vec<Landed>,
         begin: &(impl Fn(&Landed) -> Guess + Sync),
         covers: &(impl Fn(&[Guess], &Landed) -> Option<usize> + Sync),
     ) -> Self {
-        let mut seeds = Self {
-            nodes: vec![Node::region(0)],
+        let mut guesses = Self {
+            nodes: vec![RegionNode::region(0)],
             regions: Vec::new(),
             list: Vec::new(),
         };
         let mut regions = Vec::new();
-        seeds.divide(0, &mut landed, &mut regions);
+        guesses.divide(0, &mut landed, &mut regions);
         let found: Vec<Vec<Guess>> = regions
             .par_iter()
             .map(|photons| region(photons, begin, covers))
@@ -99,17 +99,17 @@ impl Guesses {
         for (photons, found) in regions.into_iter().zip(found) {
             let Bounds { min, max } = bounds_of(photons);
             let margin = MARGIN * (max - min).max_element();
-            seeds.regions.push(Region {
+            guesses.regions.push(Region {
                 bounds: Bounds {
                     min: min - margin,
                     max: max + margin,
                 },
-                first: seeds.list.len() as u32,
-                seeds: found.len() as u32,
+                first: guesses.list.len() as u32,
+                guesses: found.len() as u32,
             });
-            seeds.list.extend(found);
+            guesses.list.extend(found);
         }
-        seeds
+        guesses
     }
 
     /// Divides a node until its regions are small; which they are.
@@ -121,22 +121,22 @@ impl Guesses {
     ) {
         let Bounds { min, max } = bounds_of(landed);
         let size = max - min;
-        if landed.len() <= PER_REGION || size.max_element() <= 0.0 {
-            self.nodes[node] = Node::region(regions.len());
+        if landed.len() <= MAX_PHOTONS || size.max_element() <= 0.0 {
+            self.nodes[node] = RegionNode::region(regions.len());
             regions.push(landed);
             return;
         }
         let axis = size.max_position();
         // Regions are of one size, and as large as they may be.
-        let regions_here = landed.len().div_ceil(PER_REGION);
+        let regions_here = landed.len().div_ceil(MAX_PHOTONS);
         let middle = regions_here / 2 * landed.len() / regions_here;
         landed.select_nth_unstable_by(middle, |a, b| {
             a.receiver.position[axis].total_cmp(&b.receiver.position[axis])
         });
         let at = landed[middle].receiver.position[axis];
         let first = self.nodes.len();
-        self.nodes[node] = Node::split(axis, at, first);
-        self.nodes.extend([Node::region(0); 2]);
+        self.nodes[node] = RegionNode::split(axis, at, first);
+        self.nodes.extend([RegionNode::region(0); 2]);
         let (low, high) = landed.split_at_mut(middle);
         self.divide(first, low, regions);
         self.divide(first + 1, high, regions);
@@ -147,7 +147,7 @@ impl Guesses {
     pub fn near(&self, p: Vec3) -> &[Guess] {
         let mut node = 0;
         let region = loop {
-            let Node { what, at } = self.nodes[node];
+            let RegionNode { what, at } = self.nodes[node];
             let (kind, first) = (what >> 30, (what & (u32::MAX >> 2)) as usize);
             if kind == REGION {
                 break first;
@@ -157,12 +157,12 @@ impl Guesses {
         let Region {
             bounds,
             first,
-            seeds,
+            guesses,
         } = self.regions[region];
         if !(p.cmpge(bounds.min) & p.cmple(bounds.max)).all() {
             return &[];
         }
-        &self.list[first as usize..(first + seeds) as usize]
+        &self.list[first as usize..(first + guesses) as usize]
     }
 
     /// Bytes held.
@@ -177,7 +177,7 @@ impl Guesses {
     }
 }
 
-/// The seeds of a region's photons: one for every photon that no seed so far leads to. How often
+/// The guesses of a region's photons: one for every photon that no guess so far leads to. How often
 /// they are drawn goes by the root of the number of photons: images that bring little, which are
 /// the small ones, are the ones that paths do not meet by themselves. (All alike: as good. By the
 /// number itself: 1.09 times the variance in a torus in glass.)
@@ -193,7 +193,7 @@ fn region(
             came[owner] += 1;
             continue;
         }
-        if found.len() >= 2 * MOST {
+        if found.len() >= 2 * MAX_GUESSES {
             continue;
         }
         found.push(begin(photon));
@@ -204,10 +204,10 @@ fn region(
         }
         came.push(1);
     }
-    for (seed, came) in found.iter_mut().zip(came) {
-        *seed = seed.weighted((came as f32).sqrt());
+    for (guess, came) in found.iter_mut().zip(came) {
+        *guess = guess.weighted((came as f32).sqrt());
     }
     found.sort_by(|a, b| b.weight().total_cmp(&a.weight()));
-    found.truncate(MOST);
+    found.truncate(MAX_GUESSES);
     found
 }

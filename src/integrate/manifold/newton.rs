@@ -19,7 +19,7 @@ const STEPS: u32 = 6;
 const DIFFERENCE: f32 = 2e-4;
 /// The middle of a light is met to this part of its radius.
 const CLOSE: f32 = 0.25;
-/// Longest step, and how far an image may lie from where its seed is seen, as a tangent.
+/// Longest step, and how far an image may lie from where its guess is seen, as a tangent.
 const FARTHEST: f32 = 0.35;
 /// Cosine of the angle between them at most.
 pub const FARTHEST_COSINE: f32 = 0.9;
@@ -71,24 +71,24 @@ impl LightImage {
     }
 }
 
-/// A seed's chain, looked along from a receiver.
-struct View<'v> {
+/// A guess's chain, looked along from a receiver.
+struct ChainView<'v> {
     scene: &'v Scene,
     receiver: &'v Receiver,
     chain: SpecularChain,
     light: &'v CausticEmitter,
-    /// Where the seed is seen.
+    /// Where the guess is seen.
     frame: Frame,
     /// The plane of the light, as soon as it is known from where the chain shines on it.
     plane: Option<Frame>,
     traced: &'v mut u32,
 }
 
-impl<'v> View<'v> {
+impl<'v> ChainView<'v> {
     /// Along a direction; `None` if it is none.
     fn new(
         (scene, receiver): (&'v Scene, &'v Receiver),
-        seed: &Guess,
+        guess: &Guess,
         light: &'v CausticEmitter,
         towards: Vec3,
         traced: &'v mut u32,
@@ -96,7 +96,7 @@ impl<'v> View<'v> {
         Some(Self {
             scene,
             receiver,
-            chain: seed.chain,
+            chain: guess.chain,
             light,
             frame: Frame::new(towards.try_normalize()?),
             plane: None,
@@ -172,17 +172,17 @@ impl Lead {
     }
 }
 
-/// Brings the light into focus that `seed` tells of, as seen from a receiver. `None` where it is
+/// Brings the light into focus that `guess` tells of, as seen from a receiver. `None` where it is
 /// not seen, or not as an image that is nearly linear. Adds the rays that it takes to `traced`.
 pub fn solve(
     scene: &Scene,
     receiver: &Receiver,
-    seed: &Guess,
+    guess: &Guess,
     light: &CausticEmitter,
     traced: &mut u32,
 ) -> Option<LightImage> {
-    let towards = seed.seen_from(receiver.position);
-    let mut view = View::new((scene, receiver), seed, light, towards, traced)?;
+    let towards = guess.seen_from(receiver.position);
+    let mut view = ChainView::new((scene, receiver), guess, light, towards, traced)?;
     let mut at = Vec2::ZERO;
     let mut lead = view.lead(at)?;
     for _ in 0..STEPS {
@@ -206,24 +206,24 @@ pub fn solve(
     None
 }
 
-/// The same seed, with what can be told from a place where its image is seen: where the middle of
+/// The same guess, with what can be told from a place where its image is seen: where the middle of
 /// that is, and how the wavefront is curved there. Rays that start a little aside arrive elsewhere
 /// in the light; what they would have to turn to arrive where the first does is the curvature.
 /// `None` where that cannot be told.
 ///
-/// (Of photons that come by chains, how many a search from their region's seeds leads back to, and
+/// (Of photons that come by chains, how many a search from their region's guesses leads back to, and
 /// the rays of a search, with images at the panes and like this: a torus in glass 0.862 and 8.1,
 /// 0.894 and 6.0; lux-pool 0.807 and 5.8, 0.819 and 4.0; a kitchen 0.907 and 7.9, 0.947 and 5.8;
 /// `scenes/pool` 0.991 and 4.9, 0.996 and 3.3, all when derivatives took rays of their own.)
 pub fn curved(
     scene: &Scene,
     receiver: &Receiver,
-    seed: &Guess,
+    guess: &Guess,
     light: &CausticEmitter,
 ) -> Option<Guess> {
     let mut traced = 0;
-    let middle = solve(scene, receiver, seed, light, &mut traced)?.middle();
-    let mut view = View::new((scene, receiver), seed, light, middle, &mut traced)?;
+    let middle = solve(scene, receiver, guess, light, &mut traced)?.middle();
+    let mut view = ChainView::new((scene, receiver), guess, light, middle, &mut traced)?;
     let inverse = view.lead(Vec2::ZERO)?.inverse()?;
     let Frame { s, t, n } = view.frame;
     let arrived = view.follow(n, RayDifferential::aside([s, t]))?;
@@ -231,5 +231,5 @@ pub fn curved(
     // Symmetric but for rounding.
     let slant = 0.5 * (turned.x_axis.y + turned.y_axis.x);
     let curvature = [turned.x_axis.x, slant, turned.y_axis.y];
-    seed.curved(receiver.position, &view.frame, curvature)
+    guess.curved(receiver.position, &view.frame, curvature)
 }

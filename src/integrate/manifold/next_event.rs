@@ -32,11 +32,11 @@ pub(in crate::integrate) fn receiver(
         return None;
     }
     let receiver = Receiver::new(vertex.point, vertex.bsdf, vertex.wo);
-    let chance = match path.prefix {
+    let probability = match path.prefix {
         PrefixState::Growing => manifold.rate(),
         _ => manifold.rate() * BEHIND_FIRST,
     };
-    Some((receiver, chance))
+    Some((receiver, probability))
 }
 
 /// Samples a light by a specular chain from a vertex at a `distance` from the one before, with the
@@ -49,18 +49,18 @@ pub(in crate::integrate) fn sample_manifold(
     path: &GuidedPath,
     distance: f32,
 ) -> Option<ManifoldSample> {
-    let (manifold, (receiver, chance)) = (context.guide?.manifold()?, receiver?);
+    let (manifold, (receiver, probability)) = (context.guide?.manifold()?, receiver?);
     let path = &path.base;
     // Numbers beside the path's own.
     let mut numbers = path.sampler.fork(NUMBERS);
-    if numbers.next4()[0] >= chance {
+    if numbers.next4()[0] >= probability {
         return None;
     }
     let request = Request {
         context,
         vertex,
         receiver: &receiver,
-        chance,
+        probability,
         most: (context.settings.max_depth - 2).saturating_sub(path.depth),
         cone: Cone {
             width: path.cone_width + path.cone_spread * distance,

@@ -50,10 +50,10 @@ impl PathObserver for RateStatistics {
 }
 
 impl Light {
-    /// What it adds to the second moment of all samples together at this chance, where it is
+    /// What it adds to the second moment of all samples together at this rate, where it is
     /// `brightest` at most.
-    fn moment(&self, chance: f32, brightest: f64) -> f64 {
-        let density = self.path_pdf + self.chain_pdf * f64::from(chance / INITIAL_RATE);
+    fn moment(&self, rate: f32, brightest: f64) -> f64 {
+        let density = self.path_pdf + self.chain_pdf * f64::from(rate / INITIAL_RATE);
         self.brings * (self.brings / density).min(brightest) / self.chain_pdf
     }
 }
@@ -62,14 +62,11 @@ impl RateStatistics {
     /// For each of [`RATES`], the second moment that the lights add to all samples of a tile whose
     /// radiance is of the order of `mean`, relative to that.
     fn moments(&self, mean: f64) -> [f64; RATES.len()] {
-        let sum = |chance| -> f64 {
-            let moments = self
-                .lights
-                .iter()
-                .map(|s| s.moment(chance, BRIGHTEST * mean));
+        let sum = |rate| -> f64 {
+            let moments = self.lights.iter().map(|s| s.moment(rate, BRIGHTEST * mean));
             moments.filter(|m| m.is_finite()).sum()
         };
-        RATES.map(|chance| sum(chance) / (mean * mean))
+        RATES.map(|rate| sum(rate) / (mean * mean))
     }
 }
 
@@ -110,7 +107,7 @@ impl RateTrial {
 mod tests {
     use super::*;
 
-    /// The best chance of a thousand samples with a relative variance of 1 and 8 rays.
+    /// The best rate of a thousand samples with a relative variance of 1 and 8 rays.
     fn best(moments: [f64; RATES.len()], rays: u64) -> f32 {
         RateTrial { moments, rays }.best(1000.0, 1.0, 8.0)
     }

@@ -28,7 +28,7 @@ pub struct LastRoughVertex {
     /// The density of that, solid angle.
     pub pdf: f32,
     /// The probability with which a chain was sampled there.
-    pub chance: f32,
+    pub probability: f32,
 }
 
 impl Receiver {
@@ -47,10 +47,11 @@ impl Receiver {
         Ray::new(offset_origin(self.position, self.error, self.ng, dir), dir)
     }
 
-    /// How likely a seed is to be drawn here, relative to others.
+    /// How likely a guess is to be drawn here, relative to others.
     #[inline]
-    pub(super) fn weight(&self, seed: &Guess) -> f32 {
-        let behind = self.side != Vec3::ZERO && self.side.dot(seed.seen_from(self.position)) <= 0.0;
-        if behind { 0.0 } else { seed.weight() }
+    pub(super) fn weight(&self, guess: &Guess) -> f32 {
+        let behind =
+            self.side != Vec3::ZERO && self.side.dot(guess.seen_from(self.position)) <= 0.0;
+        if behind { 0.0 } else { guess.weight() }
     }
 }

@@ -19,8 +19,8 @@ pub(in crate::integrate) struct Request<'v, 's> {
     pub vertex: &'v Vertex<'v, 's>,
     /// The vertex.
     pub receiver: &'v Receiver,
-    /// The chance with which it is asked for.
-    pub chance: f32,
+    /// The probability with which it is asked for.
+    pub probability: f32,
     /// Most scatterings of the chain.
     pub most: u32,
     /// What rays stand for that leave the vertex.
@@ -32,7 +32,7 @@ pub(in crate::integrate) struct Request<'v, 's> {
 pub struct FoundLight {
     /// Radiance that the vertex reflects, before it is divided by a density.
     pub radiance: Rgb,
-    /// Density with which it was drawn, solid angle, the chance of drawing at all included.
+    /// Density with which it was drawn, solid angle, the probability of drawing at all included.
     pub pdf: f32,
     /// Density with which the path would have drawn it by itself.
     pub path_pdf: f32,
@@ -56,7 +56,7 @@ pub struct ManifoldSample {
 
 impl SpecularChains {
     /// Samples light that arrives at a vertex by a chain. `u` are three uniform numbers: one
-    /// chooses the seed, two the place in the image.
+    /// chooses the guess, two the place in the image.
     pub(in crate::integrate) fn sample(&self, request: &Request, u: [f32; 3]) -> ManifoldSample {
         let mut rays = 0;
         let found = self.find(request, u, &mut rays);
@@ -71,23 +71,24 @@ impl SpecularChains {
             ..
         } = *request;
         let scene = context.scene;
-        let seeds = self.guesses.near(receiver.position);
-        let total = total(seeds, receiver);
+        let guesses = self.guesses.near(receiver.position);
+        let total = total(guesses, receiver);
         let mut rest = u[0] * total;
-        let chosen = seeds.iter().position(|s| {
+        let chosen = guesses.iter().position(|s| {
             rest -= receiver.weight(s);
             rest < 0.0
         })?;
-        let seed = &seeds[chosen];
-        if seed.chain.len() > request.most {
+        let guess = &guesses[chosen];
+        if guess.chain.len() > request.most {
             return None;
         }
-        let caustic_emitter = &self.caustic_emitters[seed.caustic_emitter as usize];
-        let image = solve(scene, receiver, seed, caustic_emitter, rays)?;
+        let caustic_emitter = &self.caustic_emitters[guess.caustic_emitter as usize];
+        let image = solve(scene, receiver, guess, caustic_emitter, rays)?;
         let (dir, image_pdf) = image.sample(Vec2::new(u[1], u[2]));
-        let pdf = image_pdf * (receiver.weight(seed) / total * request.chance);
+        let pdf = image_pdf * (receiver.weight(guess) / total * request.probability);
         let usable = pdf > 0.0 && pdf.is_finite();
-        if !usable || owner(seeds, receiver, dir, seed.chain, seed.caustic_emitter) != Some(chosen)
+        if !usable
+            || owner(guesses, receiver, dir, guess.chain, guess.caustic_emitter) != Some(chosen)
         {
             return None;
         }
@@ -100,8 +101,8 @@ impl SpecularChains {
         if f == Rgb::ZERO {
             return None;
         }
-        *rays += seed.chain.len() + 1;
-        let arrived = follow(scene, receiver.ray(dir), seed.chain, request.cone, strict)?;
+        *rays += guess.chain.len() + 1;
+        let arrived = follow(scene, receiver.ray(dir), guess.chain, request.cone, strict)?;
         let radiance = f * (arrived.weight * shining(scene, caustic_emitter, &arrived)?);
         Some(FoundLight {
             radiance,

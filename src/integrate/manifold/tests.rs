@@ -38,7 +38,7 @@ fn a_chain_is_the_same_from_both_ends() {
 }
 
 #[test]
-fn chains_that_are_too_long_are_no_chain_that_a_seed_has() {
+fn chains_that_are_too_long_are_no_chain_that_a_guess_has() {
     let mut kinds = [SpecularChain::EMPTY; 2];
     for _ in 0..LONGEST {
         kinds = [
@@ -142,7 +142,7 @@ fn on_floor(scene: &Scene, x: f32, z: f32) -> Receiver {
 /// its surface, at half the radius times the cosine of incidence (Coddington's equation for the
 /// plane of incidence), for who moves across.
 #[test]
-fn a_seed_follows_the_suns_image_in_a_cylinder() {
+fn a_guess_follows_the_suns_image_in_a_cylinder() {
     let scene = floor_and_mirror();
     let caustic_emitters = scene.lights.caustic_emitters();
     let receiver = on_floor(&scene, 0.0, 0.0);
@@ -154,27 +154,27 @@ fn a_seed_follows_the_suns_image_in_a_cylinder() {
     let to_pane = (pane - receiver.position).normalize();
     let chain = SpecularChain::EMPTY.then(LobeFlags::REFLECTION);
     let flat = Guess::new(receiver.position, to_pane, pane, chain, 0);
-    let seed = curved(&scene, &receiver, &flat, &caustic_emitters[0]).expect("the sun is seen");
+    let guess = curved(&scene, &receiver, &flat, &caustic_emitters[0]).expect("the sun is seen");
 
-    let dir = seed.seen_from(receiver.position).normalize();
-    let seen = |seed: &Guess, from: &Receiver| seed.seen_from(from.position).normalize();
+    let dir = guess.seen_from(receiver.position).normalize();
+    let seen = |guess: &Guess, from: &Receiver| guess.seen_from(from.position).normalize();
     let along = on_floor(&scene, 0.4, 0.0);
-    assert!(seen(&seed, &along).distance(dir) < 2e-3, "it goes along");
+    assert!(seen(&guess, &along).distance(dir) < 2e-3, "it goes along");
     assert!(seen(&flat, &along).distance(dir) > 0.05);
 
     // Everywhere near, searches begin where they end.
     for (x, z) in [(0.0, 0.1), (0.1, -0.1), (-0.3, 0.05)] {
         let from = on_floor(&scene, x, z);
         let image =
-            solve(&scene, &from, &seed, &caustic_emitters[0], &mut 0).expect("the sun is seen");
-        let off = image.middle().distance(seen(&seed, &from));
+            solve(&scene, &from, &guess, &caustic_emitters[0], &mut 0).expect("the sun is seen");
+        let off = image.middle().distance(seen(&guess, &from));
         assert!(off < 1e-3, "{off} at {x} {z}");
     }
 
     // In the plane across: by the distance of the image.
     let moved = on_floor(&scene, 0.0, 0.02);
     let sideways = Vec3::X.cross(dir).normalize();
-    let turned = (seen(&seed, &moved) - dir).dot(sideways);
+    let turned = (seen(&guess, &moved) - dir).dot(sideways);
     let aside = (moved.position - receiver.position).dot(sideways);
     let mirror = met(&scene, &receiver.ray(dir)).point.p;
     let normal = (mirror - AXIS).reject_from(Vec3::X).normalize();

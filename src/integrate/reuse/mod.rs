@@ -23,7 +23,7 @@
 //!
 //! What is shared and what is not:
 //! - A prefix's direction is drawn once and goes on for certain: where roulette, splitting or the
-//!   choice of a delta lobe have a say there is no prefix (`guided_scatter.rs` asks).
+//!   choice of a delta lobe have a say there is no prefix (`guided_direction.rs` asks).
 //! - The vertex behind is diffuse, or the base of rough plastic: its radiance is the same towards
 //!   all prefixes, or differs by a known factor ([`crate::bsdf::View`]). What it emits is for its
 //!   own path alone, weighed against that path's light sample.
@@ -56,4 +56,4 @@ mod reconnection;
 pub use pool::{Admission, PrefixPool};
 
 /// Most prefixes in a group.
-pub const MOST: u32 = 64;
+pub const MAX_GROUP: u32 = 64;

@@ -11,7 +11,7 @@ use crate::texture::SurfacePoint;
 /// behind is divided by what the path came with, and where that is nothing it tells nothing.
 pub(super) const LEAST_CHANNEL: f32 = 1.0 / 32.0;
 /// Nor does it if it has nearly underflown.
-const LEAST: f32 = 1e-20;
+const MIN_THROUGHPUT: f32 = 1e-20;
 /// Nor if it sees the vertex behind by so small a factor (see [`View`]).
 const LEAST_VIEW: f32 = 1.0 / 32.0;
 
@@ -20,7 +20,10 @@ const LEAST_VIEW: f32 = 1.0 / 32.0;
 #[inline]
 pub(super) fn is_shareable(throughput: Rgb, view: f32) -> bool {
     let (least, most) = (throughput.min_element(), throughput.max_element());
-    least >= LEAST && most.is_finite() && least >= LEAST_CHANNEL * most && view >= LEAST_VIEW
+    least >= MIN_THROUGHPUT
+        && most.is_finite()
+        && least >= LEAST_CHANNEL * most
+        && view >= LEAST_VIEW
 }
 
 /// A path up to its first rough vertex.

@@ -29,7 +29,7 @@ fn departure(x: f32, onward: Option<SampledDirection>) -> Departure {
             throughput: Rgb::ONE,
             radiance: Rgb::ZERO,
         },
-        light_chance: None,
+        light_probability: None,
         direction: onward,
     }
 }
@@ -144,7 +144,7 @@ fn a_guided_vertex_also_teaches_the_fraction() {
             throughput: Rgb::splat(0.5),
             radiance: Rgb::splat(2.0),
         },
-        light_chance: Some(0.25),
+        light_probability: Some(0.25),
         ..departure(0.0, Some(on))
     };
     r.depart(0, asked);
@@ -163,7 +163,10 @@ fn a_guided_vertex_also_teaches_the_fraction() {
     assert_eq!(training_samples.fractions[1].pdf, 0.0);
     let f = training_samples.fractions[0];
     // 6 - 2 and 1.5, for the throughput 1.
-    assert_eq!((f.light, f.light_chance, f.reflected), (3.0, 0.25, 8.0));
+    assert_eq!(
+        (f.light, f.light_probability, f.reflected),
+        (3.0, 0.25, 8.0)
+    );
     // BSDF times cosine is weight times density; radiance is 6 / 2.
     assert_eq!(f.value, Rgb::splat(0.5 * 1.125 * 3.0));
     assert_eq!((f.pdf, f.guide_pdf, f.bsdf_pdf), (0.5625, 2.0, 0.25));

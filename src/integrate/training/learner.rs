@@ -186,8 +186,8 @@ impl Learner {
     }
 
     /// Sets the rate of manifold next-event estimation.
-    pub fn set_manifold_rate(&mut self, chance: f32) {
-        self.guide.set_manifold_rate(chance);
+    pub fn set_manifold_rate(&mut self, rate: f32) {
+        self.guide.set_manifold_rate(rate);
     }
 
     /// Whether guiding pays, if that was tried.

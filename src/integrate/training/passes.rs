@@ -48,7 +48,7 @@ pub(in crate::integrate) fn train_passes(
         from = to;
         if learner.is_to_be_judged(from, pixels) {
             let paths = learner.trial_paths();
-            let (verdict, chance) = trial(job, job.view.film, learner.guide(), paths);
+            let (verdict, rate) = trial(job, job.view.film, learner.guide(), paths);
             learner.judge(
                 &job.view,
                 Verdict {
@@ -56,7 +56,7 @@ pub(in crate::integrate) fn train_passes(
                     ..verdict
                 },
             );
-            learner.set_manifold_rate(chance);
+            learner.set_manifold_rate(rate);
         }
         let spreads = job.view.settings.adaptive && from >= adaptive::FIRST;
         let shares = spreads.then(|| told.survey.shares(film, from, &iteration));

@@ -118,13 +118,13 @@ impl TrainingSamples {
             position,
             normal,
             arrival,
-            light_chance,
+            light_probability,
             direction,
         } = record.departure;
         // What a light sample and the way on brought, relative to the throughput.
         let whole = arrival.throughput.element_sum();
         let reflected = (outcome - arrival.radiance).max(Rgb::ZERO).element_sum() / whole;
-        let vertex = light_chance.map(|light_chance| FractionRecord {
+        let vertex = light_probability.map(|light_probability| FractionRecord {
             position,
             normal,
             value: Rgb::ZERO,
@@ -132,7 +132,7 @@ impl TrainingSamples {
             guide_pdf: 0.0,
             bsdf_pdf: 0.0,
             light: record.light.element_sum() / whole,
-            light_chance,
+            light_probability,
             reflected,
         });
         let Some(on) = direction else {

@@ -31,8 +31,8 @@ const SHARE: u32 = 8;
 /// The trial's samples: numbers that no image reaches, of two point sets.
 const SETS: [u64; 2] = [1 << 40, (1 << 40) + (1 << 20)];
 /// Samples of a pixel in each, at most and at least.
-const MOST: u64 = 4;
-const LEAST: u64 = 2;
+const MAX_SPP: u64 = 4;
+const MIN_SPP: u64 = 2;
 /// Tiles that a trial has at least, if the film does.
 const FEWEST_TILES: u64 = 8;
 /// The field is still learning, and errors that are cut hide a part of what it gains: it may be
@@ -224,7 +224,7 @@ impl Scope {
         let most = (tiles / u64::from(SHARE))
             .max(FEWEST_TILES.min(tiles))
             .max(1);
-        let samples = (paths / (each * most)).clamp(LEAST, MOST);
+        let samples = (paths / (each * most)).clamp(MIN_SPP, MAX_SPP);
         let wanted = (paths / (each * samples))
             .clamp(FEWEST_TILES.min(most), most)
             .max(1);

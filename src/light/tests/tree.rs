@@ -85,7 +85,8 @@ fn ten_thousand_triangles_add_up() {
         let power: Vec<f64> = (local.leaves.iter())
             .map(|(e, leaf)| {
                 let radiance = s.lights.areas[*e as usize].as_ref().unwrap();
-                let radiance = radiance.radiance_at(Vec3::ZERO, Vec3::Z, incident::Place::Surface);
+                let radiance =
+                    radiance.radiance_at(Vec3::ZERO, Vec3::Z, incident::EmitterPlace::Surface);
                 f64::from(luminance(radiance) * leaf.area())
             })
             .collect();

@@ -36,14 +36,14 @@ fn a_trial_has_as_many_paths_as_it_may_and_never_too_few() {
     };
     // 96 x 64 pixels are 24 tiles.
     let small = Scope::new(&film(96, 64), 0);
-    assert_eq!((small.share, small.samples), (3, LEAST));
+    assert_eq!((small.share, small.samples), (3, MIN_SPP));
     let large = Scope::new(&film(640, 320), u64::MAX);
-    assert_eq!((large.share, large.samples), (SHARE, MOST));
+    assert_eq!((large.share, large.samples), (SHARE, MAX_SPP));
     // 100 tiles of 800, at 256 pixels and two sets.
     let some = Scope::new(&film(640, 320), 100 * 256 * 2 * 3);
     assert_eq!((some.share, some.samples), (SHARE, 3));
-    let few = Scope::new(&film(640, 320), 20 * 256 * 2 * LEAST);
-    assert_eq!((few.share, few.samples), (40, LEAST));
+    let few = Scope::new(&film(640, 320), 20 * 256 * 2 * MIN_SPP);
+    assert_eq!((few.share, few.samples), (40, MIN_SPP));
     assert_eq!(Scope::new(&film(1, 1), 0).share, 1);
 }
 

@@ -1,6 +1,6 @@
 //! The camera of a studio.
 
-use super::{Studio, View, error};
+use super::{Studio, Viewpoint, error};
 use crate::accel::Bounds;
 use crate::camera::{CameraDescription, FovAxis, Projection};
 use crate::math::{DAffine3, DVec3};
@@ -27,7 +27,7 @@ impl Studio {
     /// The camera that is asked for.
     pub(super) fn shot(&self, parts: &Parts, bounds: Bounds) -> Result<Shot, ImportError> {
         let chosen = match &self.view {
-            Some(View::Named(name)) => Some(named(&parts.cameras, name)?),
+            Some(Viewpoint::Named(name)) => Some(named(&parts.cameras, name)?),
             Some(_) => None,
             None => parts.cameras.first(),
         };
@@ -42,8 +42,8 @@ impl Studio {
         }
         let aspect = asked.unwrap_or(ASPECT);
         let camera = match self.view {
-            Some(View::From(eye)) => self.from(eye, bounds)?,
-            Some(View::Orbit { azimuth, elevation }) => {
+            Some(Viewpoint::From(eye)) => self.from(eye, bounds)?,
+            Some(Viewpoint::Orbit { azimuth, elevation }) => {
                 self.orbit((azimuth, elevation), bounds, aspect)?
             }
             _ => self.orbit(AZIMUTH_ELEVATION, bounds, aspect)?,

@@ -10,7 +10,7 @@ mod light;
 mod tests;
 mod words;
 
-pub use words::{Sky, View, point};
+pub use words::{Sky, Viewpoint, point};
 
 use super::ImportError;
 use super::models::palette::Paint;
@@ -33,7 +33,7 @@ const GROUND_RADII: f32 = 60.0;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Studio {
     /// Where the camera is; `None` takes the first camera of the files, or else a view of all.
-    pub view: Option<View>,
+    pub view: Option<Viewpoint>,
     /// What the camera looks at; `None` is the middle of the models.
     pub look_at: Option<DVec3>,
     /// Full field of view along the picture's shorter side, degrees; `None` is the camera's.

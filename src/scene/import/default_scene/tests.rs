@@ -66,7 +66,7 @@ fn the_camera_sees_all_and_is_as_near_as_it_may_be() {
         for size in [(Some(400), Some(300)), (Some(100), Some(500))] {
             for z_up in [false, true] {
                 let studio = Studio {
-                    view: Some(View::Orbit { azimuth, elevation }),
+                    view: Some(Viewpoint::Orbit { azimuth, elevation }),
                     size,
                     z_up,
                     ..Studio::default()
@@ -86,7 +86,7 @@ fn the_camera_sees_all_and_is_as_near_as_it_may_be() {
 #[test]
 fn the_front_is_seen_with_its_left_on_the_left() {
     let studio = Studio {
-        view: Some(View::Orbit {
+        view: Some(Viewpoint::Orbit {
             azimuth: 0.0,
             elevation: 0.0,
         }),
@@ -109,7 +109,7 @@ fn the_front_is_seen_with_its_left_on_the_left() {
     }
     // An azimuth goes to the right.
     let studio = Studio {
-        view: Some(View::Orbit {
+        view: Some(Viewpoint::Orbit {
             azimuth: 90.0,
             elevation: 0.0,
         }),
@@ -141,7 +141,7 @@ fn a_file_brings_its_own_camera_and_light() {
     assert_eq!((made.film.width, made.film.height), (WIDTH, WIDTH / 2));
     assert_eq!((made.emitters.len(), made.shapes.len()), (1, 1));
     let studio = Studio {
-        view: Some(View::Named("front".into())),
+        view: Some(Viewpoint::Named("front".into())),
         ..Studio::default()
     };
     let error = studio.compose(model(CENTER, HALF)).unwrap_err().to_string();
@@ -183,7 +183,7 @@ fn nothing_to_see_and_nowhere_to_look_are_errors() {
     let error = Studio::default().compose(Parts::default()).unwrap_err();
     assert!(error.to_string().contains("nothing to see"));
     let studio = Studio {
-        view: Some(View::From(CENTER.as_dvec3())),
+        view: Some(Viewpoint::From(CENTER.as_dvec3())),
         ..Studio::default()
     };
     let error = studio.compose(model(CENTER, HALF)).unwrap_err().to_string();

@@ -7,7 +7,7 @@ use std::str::FromStr;
 
 /// Where a camera is.
 #[derive(Clone, Debug, PartialEq)]
-pub enum View {
+pub enum Viewpoint {
     /// Around the target, as near as all of the models can be seen; degrees.
     Orbit {
         /// 0 is the front (+z, or -y where +z is up), positive to the right of who looks at it.
@@ -21,7 +21,7 @@ pub enum View {
     Named(String),
 }
 
-impl FromStr for View {
+impl FromStr for Viewpoint {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -58,7 +58,7 @@ pub enum Sky {
     Studio,
     /// The same radiance from everywhere.
     White(Rgb),
-    /// A clear sky with its sun; degrees as in [`View::Orbit`].
+    /// A clear sky with its sun; degrees as in [`Viewpoint::Orbit`].
     Sun {
         /// Where the sun is.
         azimuth: f64,
@@ -116,16 +116,19 @@ mod tests {
 
     #[test]
     fn views_and_skies_are_read() {
-        let orbit = View::Orbit {
+        let orbit = Viewpoint::Orbit {
             azimuth: -30.0,
             elevation: 20.5,
         };
         assert_eq!("orbit:-30,20.5".parse(), Ok(orbit));
         assert_eq!(
             "from:1,2,3".parse(),
-            Ok(View::From(DVec3::new(1.0, 2.0, 3.0)))
+            Ok(Viewpoint::From(DVec3::new(1.0, 2.0, 3.0)))
         );
-        assert_eq!("Camera.001".parse(), Ok(View::Named("Camera.001".into())));
+        assert_eq!(
+            "Camera.001".parse(),
+            Ok(Viewpoint::Named("Camera.001".into()))
+        );
         assert_eq!("white:2".parse(), Ok(Sky::White(Rgb::splat(2.0))));
         let sun = Sky::Sun {
             azimuth: 10.0,
@@ -133,7 +136,7 @@ mod tests {
         };
         assert_eq!("sun:10,90".parse(), Ok(sun));
         for text in ["orbit:1", "orbit:0,91", "from:1,2", "orbit:nan,0"] {
-            assert!(text.parse::<View>().is_err(), "{text}");
+            assert!(text.parse::<Viewpoint>().is_err(), "{text}");
         }
         for text in ["", "dark", "sun:0", "sun:0,-5", "white:-1", "none:1"] {
             assert!(text.parse::<Sky>().is_err(), "{text}");

@@ -2,7 +2,7 @@
 
 use super::accessor::Accessors;
 use super::error;
-use super::schema::{Document, Node};
+use super::schema::{Document, GltfNode};
 use crate::math::{DAffine3, DVec3};
 use crate::scene::import::ImportError;
 use glam::{DMat4, DQuat};
@@ -32,7 +32,7 @@ pub(super) struct Standing {
 }
 
 /// The local transform of a node.
-fn local(node: &Node) -> DAffine3 {
+fn local(node: &GltfNode) -> DAffine3 {
     if let Some(matrix) = &node.matrix {
         return DAffine3::from_mat4(DMat4::from_cols_array(matrix));
     }
@@ -98,7 +98,7 @@ pub(super) fn walk(
 
 fn collect(
     standing: &mut Standing,
-    node: &Node,
+    node: &GltfNode,
     index: usize,
     accessors: Accessors,
     path: &Path,
@@ -163,14 +163,14 @@ fn crowd(extension: &Value, accessors: Accessors) -> Result<Option<Vec<DAffine3>
         let value = list.as_ref()?.get(i)?;
         Some(DVec3::from_array(value.map(f64::from)))
     };
-    let node = |i: usize| Node {
+    let node = |i: usize| GltfNode {
         translation: vector(&translations, i).map(|v| v.to_array()),
         rotation: rotations
             .as_ref()
             .and_then(|list| list.get(i))
             .map(|q| q.map(f64::from)),
         scale: vector(&scales, i).map(|v| v.to_array()),
-        ..Node::default()
+        ..GltfNode::default()
     };
     Ok(Some((0..count).map(|i| local(&node(i))).collect()))
 }

@@ -4,7 +4,7 @@ use super::accessor::Accessors;
 use super::materials::{self, Variant};
 use super::nodes::{Placement, Standing};
 use super::primitive::{self, ALPHA, COLOR, Job};
-use super::schema::{Material, Mesh as MeshSchema, Node, Primitive};
+use super::schema::{GltfNode, Material, Mesh as MeshSchema, Primitive};
 use super::{Importer, error};
 use crate::light::Emitter;
 use crate::math::{DAffine3, Vec2};
@@ -110,7 +110,7 @@ impl<'a> Importer<'a> {
     /// The matrices of a node's skin, mesh space to world space.
     fn joints(
         &mut self,
-        node: &Node,
+        node: &GltfNode,
         standing: &Standing,
         accessors: Accessors,
     ) -> Result<Option<Vec<DAffine3>>, ImportError> {

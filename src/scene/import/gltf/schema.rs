@@ -19,7 +19,7 @@ pub(super) struct Document {
     pub asset: Asset,
     pub scene: Option<usize>,
     pub scenes: Vec<Scene>,
-    pub nodes: Vec<Node>,
+    pub nodes: Vec<GltfNode>,
     pub meshes: Vec<Mesh>,
     pub accessors: Vec<Accessor>,
     pub buffer_views: Vec<BufferView>,
@@ -50,7 +50,7 @@ pub(super) struct Scene {
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(super) struct Node {
+pub(super) struct GltfNode {
     pub name: Option<String>,
     pub children: Vec<usize>,
     pub mesh: Option<usize>,

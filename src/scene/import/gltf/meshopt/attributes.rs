@@ -3,7 +3,7 @@
 use super::EARLY;
 
 /// Most elements of a block.
-const MOST: usize = 256;
+const MAX_BLOCK: usize = 256;
 const GROUP: usize = 16;
 /// The last bytes hold the element before the first, behind zeros if it is shorter than this.
 const TAIL: usize = 32;
@@ -19,7 +19,7 @@ pub(super) fn decode(bytes: &[u8], count: usize, stride: usize) -> Result<Vec<u8
     let body_length = body.len().checked_sub(TAIL.max(stride)).ok_or(EARLY)?;
     let mut last = body[body.len() - stride..].to_vec();
     let mut rest = &body[..body_length];
-    let most = MOST.min((8192 / stride) & !(GROUP - 1));
+    let most = MAX_BLOCK.min((8192 / stride) & !(GROUP - 1));
     let mut elements = Vec::new();
     let mut left = count;
     while left > 0 {
