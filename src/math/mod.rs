@@ -5,6 +5,7 @@
 pub mod distribution;
 pub mod equal_area;
 pub mod frame;
+pub mod kd;
 pub mod mis;
 pub mod offset;
 pub mod rgb;

@@ -1,6 +1,6 @@
 //! The frozen field: which record serves a point, and what it says.
 
-use super::near::Tree;
+use super::near::KdTree;
 use super::place::RecordPlace;
 use super::square;
 use crate::guide::GuideSample;
@@ -18,7 +18,7 @@ const LEAST_COSINE: f32 = 0.5;
 /// Cached mixtures, ready to be asked. Made by [`super::GmmTrainer::freeze`].
 #[derive(Clone, Debug)]
 pub struct Mixtures {
-    tree: Tree,
+    tree: KdTree,
     /// In the tree's order.
     keys: Vec<Key>,
     records: Vec<Known>,
@@ -51,7 +51,7 @@ pub struct LocalMixture<'f> {
 impl Mixtures {
     pub(super) fn new(known: Vec<(RecordPlace, Rgb, Mixture)>) -> Self {
         let positions: Vec<Vec3> = known.iter().map(|k| k.0.position).collect();
-        let tree = Tree::new(&positions);
+        let tree = KdTree::new(&positions);
         let mut keys = Vec::with_capacity(known.len());
         let mut records = Vec::with_capacity(known.len());
         for &i in tree.order() {

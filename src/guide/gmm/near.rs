@@ -1,6 +1,7 @@
 //! A k-d tree over points: what is near?
 
 use crate::math::Vec3;
+use crate::math::kd::KdPlane;
 
 /// Points of a leaf.
 const LEAF: usize = 8;
@@ -10,25 +11,19 @@ const DEPTH: usize = 32;
 /// A balanced k-d tree. Nodes are numbered as in a heap and halve their range of points, so that
 /// only the dividing planes are kept.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Tree {
-    planes: Vec<Plane>,
+pub(super) struct KdTree {
+    planes: Vec<KdPlane>,
     points: Vec<Vec3>,
     /// Numbers of the points in the order that the tree has brought them to.
     order: Vec<u32>,
 }
 
-#[derive(Clone, Copy, Debug, Default)]
-struct Plane {
-    axis: u32,
-    at: f32,
-}
-
-impl Tree {
+impl KdTree {
     /// Sorts points, which must be finite.
     pub fn new(points: &[Vec3]) -> Self {
         let mut order: Vec<u32> = (0..points.len() as u32).collect();
         let leaves = points.len().div_ceil(LEAF).next_power_of_two();
-        let mut planes = vec![Plane::default(); leaves];
+        let mut planes = vec![KdPlane::default(); leaves];
         divide(points, &mut order, &mut planes, 1);
         Self {
             planes,
@@ -56,8 +51,7 @@ impl Tree {
         let (mut node, mut from, mut to) = (1u32, 0u32, self.points.len() as u32);
         loop {
             while (node as usize) < self.planes.len() {
-                let plane = self.planes[node as usize];
-                let away = x[plane.axis as usize] - plane.at;
+                let away = self.planes[node as usize].beyond(x);
                 let middle = from + (to - from) / 2;
                 let (near, far) = (
                     2 * node + u32::from(away >= 0.0),
@@ -92,26 +86,12 @@ impl Tree {
     }
 }
 
-fn divide(points: &[Vec3], order: &mut [u32], planes: &mut [Plane], node: usize) {
+fn divide(points: &[Vec3], order: &mut [u32], planes: &mut [KdPlane], node: usize) {
     if node >= planes.len() {
         return;
     }
-    let corners = order.iter().map(|&i| points[i as usize]);
-    let (low, high) = corners.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(l, h), p| {
-        (l.min(p), h.max(p))
-    });
-    let axis = (high - low).max_position();
     let middle = order.len() / 2;
-    let key = |i: &u32| points[*i as usize][axis];
-    let mut at = 0.0;
-    if middle < order.len() {
-        order.select_nth_unstable_by(middle, |a, b| key(a).total_cmp(&key(b)).then(a.cmp(b)));
-        at = key(&order[middle]);
-    }
-    planes[node] = Plane {
-        axis: axis as u32,
-        at,
-    };
+    planes[node] = KdPlane::divide(order, middle, |&i| (points[i as usize], i));
     let (low, high) = order.split_at_mut(middle);
     divide(points, low, planes, 2 * node);
     divide(points, high, planes, 2 * node + 1);

@@ -2,7 +2,7 @@
 
 use super::Settings;
 use super::cover::Cover;
-use super::near::Tree;
+use super::near::KdTree;
 use crate::guide::{Photon, SurfacePoint};
 use crate::math::Vec3;
 use rayon::prelude::*;
@@ -37,7 +37,7 @@ pub(super) fn places(
     ];
     let positions: Vec<Vec3> = photons.iter().map(|p| p.position).collect();
     let density = Density {
-        tree: Tree::new(&positions),
+        tree: KdTree::new(&positions),
         photons,
         wanted: (settings.photons as usize / settings.batches as usize).max(FEWEST),
     };
@@ -88,7 +88,7 @@ fn serves(
 
 /// Photons of the first batch.
 struct Density<'a> {
-    tree: Tree,
+    tree: KdTree,
     photons: &'a [Photon],
     wanted: usize,
 }

@@ -4,6 +4,7 @@ use super::guess::Guess;
 use super::receiver::Receiver;
 use crate::accel::Bounds;
 use crate::math::Vec3;
+use crate::math::kd::KdPlane;
 use rayon::prelude::*;
 
 /// A photon that came by a chain.
@@ -41,8 +42,8 @@ struct RegionNode {
 const REGION: u32 = 3;
 
 impl RegionNode {
-    fn split(axis: usize, at: f32, first: usize) -> Self {
-        Self::new(axis as u32, first, at)
+    fn split(plane: KdPlane, first: usize) -> Self {
+        Self::new(plane.axis, first, plane.at)
     }
 
     fn region(number: usize) -> Self {
@@ -126,16 +127,12 @@ impl Guesses {
             regions.push(landed);
             return;
         }
-        let axis = size.max_position();
         // Regions are of one size, and as large as they may be.
         let regions_here = landed.len().div_ceil(MAX_PHOTONS);
         let middle = regions_here / 2 * landed.len() / regions_here;
-        landed.select_nth_unstable_by(middle, |a, b| {
-            a.receiver.position[axis].total_cmp(&b.receiver.position[axis])
-        });
-        let at = landed[middle].receiver.position[axis];
+        let plane = KdPlane::divide(landed, middle, |l| (l.receiver.position, 0));
         let first = self.nodes.len();
-        self.nodes[node] = RegionNode::split(axis, at, first);
+        self.nodes[node] = RegionNode::split(plane, first);
         self.nodes.extend([RegionNode::region(0); 2]);
         let (low, high) = landed.split_at_mut(middle);
         self.divide(first, low, regions);
