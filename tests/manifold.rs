@@ -273,7 +273,7 @@ fn a_sample_by_itself_has_the_bits_that_it_has_in_the_render() {
     for y in 0..film.height() {
         for x in 0..film.width() {
             let traced = trace_sample(&view, [x, y], PathNumber::plain(0));
-            let Rgb { x: r, y: g, z: b } = traced.outcome.radiance;
+            let Rgb { x: r, y: g, z: b } = traced.radiance;
             let radiance = [r, g, b].map(f64::from);
             assert_eq!(radiance, film.pixel(x, y).radiance, "pixel {x}, {y}");
             branched += usize::from(traced.steps.iter().any(|s| s.way != 0));

@@ -88,12 +88,13 @@ fn check_pixel(film: &FilmDescription, [x, y]: [u32; 2]) -> Result<(), Failure> 
 fn text([x, y]: [u32; 2], sample: u64, traced: &Traced, names: &[String]) -> String {
     let Traced {
         steps,
-        outcome,
+        radiance,
         weight,
+        ..
     } = traced;
     let mut out = format!(
         "sample {sample} of pixel {x},{y}: radiance {}, filter weight {weight}\n",
-        rgb(outcome.radiance)
+        rgb(*radiance)
     );
     let mut sum = Rgb::ZERO;
     for (i, step) in steps.iter().enumerate() {

@@ -4,7 +4,7 @@ use super::context::PathContext;
 use super::emission::{emitted, from_environment};
 use super::next_event::ShadowRay;
 use super::observer::PathObserver;
-use super::path::{FirstHit, Outcome, Path};
+use super::path::{FirstHit, Path};
 use crate::accel::{Hit, Ray};
 use crate::bsdf::Bsdf;
 use crate::light::Shining;
@@ -55,8 +55,8 @@ pub(super) trait Scatter<'s> {
     ) -> BounceResult;
 }
 
-/// Handles what `ray` met: adds its emission to the path's outcome, weighed by MIS, looks up the
-/// BSDF, and lets the path scatter. It ends where nothing was met, or where it is as deep as it may
+/// Handles what `ray` met: adds its emission to the path's radiance, weighed by MIS, looks up the
+/// BSDF, and lets the path scatter. Of a path from the camera it adds the first hit. It ends where nothing was met, or where it is as deep as it may
 /// be.
 ///
 /// Always inlined, and what it calls with it: rays, paths and BSDFs need not be handed over through
@@ -69,7 +69,8 @@ pub(super) fn bounce<'s, S: Scatter<'s>>(
     (ray, hit): (&Ray, &Hit),
     how: &mut S,
     path: &mut S::Path,
-    outcome: &mut Outcome,
+    radiance: &mut Rgb,
+    first_hits: &mut Vec<FirstHit>,
     observer: &mut impl PathObserver,
 ) -> BounceResult {
     let PathContext {
@@ -80,24 +81,27 @@ pub(super) fn bounce<'s, S: Scatter<'s>>(
     let depth = base.depth;
     let cone_width = base.cone_width + base.cone_spread * hit.t;
     let Some(met) = scene.surfaces.interaction(ray, hit, cone_width) else {
-        observer.arrive(base.accumulator, outcome.radiance, f32::INFINITY);
-        outcome.radiance += from_environment(context, ray, base, weight_after_delta);
+        if depth == 0 {
+            first_hits.push(FirstHit::NOTHING);
+        }
+        observer.arrive(base.accumulator, *radiance, f32::INFINITY);
+        *radiance += from_environment(context, ray, base, weight_after_delta);
         return BounceResult::default();
     };
-    observer.arrive(base.accumulator, outcome.radiance, hit.t);
+    observer.arrive(base.accumulator, *radiance, hit.t);
     if met.glows() {
-        outcome.radiance += emitted(context, &met, base, weight_after_delta);
+        *radiance += emitted(context, &met, base, weight_after_delta);
     }
     if depth + 1 >= settings.max_depth && depth > 0 {
         return BounceResult::default();
     }
     let mut bsdf = scene.surfaces.bsdf(&met);
     if depth == 0 {
-        outcome.first = FirstHit {
+        first_hits.push(FirstHit {
             albedo: bsdf.albedo(),
             normal: met.point.frame.n,
             depth: hit.t,
-        };
+        });
         if settings.max_depth < 2 {
             return BounceResult::default();
         }
@@ -107,7 +111,7 @@ pub(super) fn bounce<'s, S: Scatter<'s>>(
         bsdf: &mut bsdf,
         wo: met.wo,
         distance: hit.t,
-        radiance: outcome.radiance,
+        radiance: *radiance,
     };
     how.scatter(context, at, path, observer)
 }

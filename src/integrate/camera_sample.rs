@@ -2,11 +2,11 @@
 
 use super::adaptive::{Shares, TileShares};
 use super::context::View;
-use super::path::Outcome;
+use super::path::FirstHit;
 use crate::camera::CameraRay;
 use crate::film::filter::FilterSampler;
 use crate::film::{Sample, Tile};
-use crate::math::{PathSampler, Vec2};
+use crate::math::{PathSampler, Rgb, Vec2};
 use std::ops::Range;
 
 /// Samples of the image that are taken by one and the same state of knowledge: field, mixture
@@ -169,21 +169,22 @@ pub fn first_ray(
 }
 
 /// Adds the paths that the tile lacks, if it is held.
-pub fn add(tile: &mut Tile, outcomes: &[Outcome], starts: &[Start]) {
+pub fn add(tile: &mut Tile, radiances: &[Rgb], first_hits: &[FirstHit], starts: &[Start]) {
     if !tile.is_held() {
         return;
     }
-    for (outcome, start) in outcomes.iter().zip(starts) {
+    let samples = radiances.iter().zip(first_hits);
+    for ((&radiance, first), start) in samples.zip(starts) {
         if start.sample < tile.done {
             continue;
         }
         let sample = Sample {
-            radiance: outcome.radiance,
+            radiance,
             weight: start.weight,
             worth: start.worth,
-            albedo: outcome.first.albedo,
-            normal: outcome.first.normal,
-            depth: outcome.first.depth,
+            albedo: first.albedo,
+            normal: first.normal,
+            depth: first.depth,
         };
         tile.add(start.pixel as usize, start.sample, &sample);
     }

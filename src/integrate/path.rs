@@ -1,4 +1,4 @@
-//! The state of a path, and what a sample came to.
+//! The state of a path, and what a sample meets first.
 
 use crate::camera::CameraRay;
 use crate::math::{PathSampler, Rgb, Vec3};
@@ -21,7 +21,7 @@ pub struct Path {
     pub eta: f32,
     /// Edges so far.
     pub depth: u32,
-    /// Index of its accumulator among the wave's outcomes: its sample's, or one of its own once
+    /// Index of its accumulator among the wave's accumulators: its sample's, or one of its own once
     /// the path was split.
     pub accumulator: u32,
     /// Width of the ray's cone at its origin.
@@ -60,7 +60,7 @@ impl AsRef<Path> for Path {
 }
 
 /// What the camera sees first along a sample: for the AOVs.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstHit {
     /// Reflectance.
     pub albedo: Rgb,
@@ -70,13 +70,13 @@ pub struct FirstHit {
     pub depth: f32,
 }
 
-/// What a sample came to.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Outcome {
-    /// Radiance.
-    pub radiance: Rgb,
-    /// First surface.
-    pub first: FirstHit,
+impl FirstHit {
+    /// Of a sample that meets nothing.
+    pub const NOTHING: Self = Self {
+        albedo: Rgb::ZERO,
+        normal: Vec3::ZERO,
+        depth: 0.0,
+    };
 }
 
 /// What a path was when it came to a vertex.

@@ -2,12 +2,12 @@
 //!
 //! Where a path is worth more than its pixel was expected to come to, it is split: it goes on in
 //! several directions, each of which carries its share of the throughput (see [`super::roulette`]).
-//! Every branch has an accumulator of its own among a wave's outcomes, so that its light can be
+//! Every branch has an accumulator of its own in the wave, so that its light can be
 //! told from that of its siblings: training samples need that. At the end all accumulators are
 //! added to those of the paths that they were split off from.
 
 use super::guided_path::GuidedPath;
-use super::path::{Arrival, Outcome};
+use super::path::Arrival;
 use crate::accel::Ray;
 use crate::math::Rgb;
 
@@ -109,12 +109,11 @@ impl SplitPaths {
 
     /// Adds every accumulator to the one that it belongs to, the last first: an accumulator is
     /// complete before it is passed on.
-    pub fn reduce(&self, outcomes: &mut [Outcome]) {
+    pub fn reduce(&self, radiances: &mut [Rgb]) {
         for (i, &parent) in self.parents.iter().enumerate().rev() {
             let account = self.samples as usize + i;
             if parent as usize != account {
-                let radiance = outcomes[account].radiance;
-                outcomes[parent as usize].radiance += radiance;
+                radiances[parent as usize] += radiances[account];
             }
         }
     }
@@ -131,14 +130,9 @@ mod tests {
         let (a, b) = (split_paths.open(1), split_paths.open(1));
         let c = split_paths.open(a);
         assert_eq!((a, b, c, split_paths.accumulators()), (2, 3, 4, 5));
-        let mut outcomes: Vec<Outcome> = (0..5)
-            .map(|i| Outcome {
-                radiance: Rgb::splat(10f32.powi(i)),
-                ..Outcome::default()
-            })
-            .collect();
-        split_paths.reduce(&mut outcomes);
-        let sums = outcomes.iter().map(|o| o.radiance.x);
+        let mut radiances: Vec<Rgb> = (0..5).map(|i| Rgb::splat(10f32.powi(i))).collect();
+        split_paths.reduce(&mut radiances);
+        let sums = radiances.iter().map(|radiance| radiance.x);
         assert_eq!(
             sums.collect::<Vec<_>>(),
             [1.0, 11110.0, 10100.0, 1000.0, 10000.0]

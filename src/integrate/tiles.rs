@@ -148,7 +148,7 @@ impl<'a> Job<'a> {
             let outcomes = wave.trace_image(context, observer, &origins, &gives_up);
             let Some(outcomes) = outcomes else { break };
             conclude(observer, &outcomes, &starts);
-            add(tile, outcomes.image, &starts);
+            add(tile, outcomes.image, outcomes.first_hits, &starts);
             from = to;
         }
         if let Ok(mut waves) = self.waves.lock() {

@@ -9,7 +9,7 @@ use super::lobe_splitting;
 use super::manifold::LastRoughVertex;
 use super::next_event::ShadowRay;
 use super::observer::PathObserver;
-use super::path::{Outcome, Path};
+use super::path::{FirstHit, Path};
 use super::reuse::PrefixPool;
 use super::scatter::Plain;
 use super::splitting::SplitPaths;
@@ -25,14 +25,16 @@ use crate::scene::wavefront::{AHEAD, Wavefront};
 pub const LONG: u32 = 1024;
 const BETWEEN_LOOKS: u32 = 64;
 
-/// What a wave's samples came to. Behind the samples, in order, stand the ways that split off,
-/// which the samples' outcomes include.
+/// What a wave's samples came to: the radiance of each. Behind the samples, in order, stand the
+/// ways that split off, which the samples' radiance includes.
 #[derive(Clone, Copy, Debug)]
 pub struct Outcomes<'w> {
     /// By themselves.
-    pub own: &'w [Outcome],
+    pub own: &'w [Rgb],
     /// For the image.
-    pub image: &'w [Outcome],
+    pub image: &'w [Rgb],
+    /// What the samples met first.
+    pub first_hits: &'w [FirstHit],
     /// Rays that they took.
     pub rays: u64,
 }
@@ -45,9 +47,11 @@ pub struct Wave {
     guided: Wavefront<GuidedPath>,
     shadows: ShadowRays,
     blocked: Vec<bool>,
-    outcomes: Vec<Outcome>,
-    /// What the samples came to with what they share.
-    shared: Vec<Outcome>,
+    /// Radiance by accumulator.
+    radiances: Vec<Rgb>,
+    /// The same with what the samples share.
+    shared: Vec<Rgb>,
+    first_hits: Vec<FirstHit>,
     split_paths: SplitPaths,
     rough_vertices: Vec<LastRoughVertex>,
     /// Radiance that vertices found by manifold next-event estimation, by accumulator.
@@ -60,25 +64,26 @@ impl Wave {
     pub fn clear(&mut self) {
         self.plain.clear();
         self.guided.clear();
-        self.outcomes.clear();
+        self.radiances.clear();
+        self.first_hits.clear();
     }
 
-    /// Adds a sample. Its outcome will stand at the same place in [`Wave::trace`]'s answer.
+    /// Adds a sample. Its radiance will stand at the same place in [`Wave::trace`]'s answer.
     #[inline]
     pub fn push(&mut self, camera: CameraRay, sampler: PathSampler) {
-        let accumulator = self.outcomes.len() as u32;
+        let accumulator = self.radiances.len() as u32;
         let path = Path::new(&camera, sampler, accumulator);
         self.plain.push(path, camera.ray);
-        self.outcomes.push(Outcome::default());
+        self.radiances.push(Rgb::ZERO);
     }
 
     /// Traces all samples to their ends, watched by `observer` (`&mut ()` for nobody). The samples'
-    /// outcomes come first, in order; behind them those of ways that split off, which the samples'
+    /// radiances come first, in order; behind them those of ways that split off, which the samples'
     /// include.
-    pub fn trace(&mut self, context: &PathContext, observer: &mut impl PathObserver) -> &[Outcome] {
+    pub fn trace(&mut self, context: &PathContext, observer: &mut impl PathObserver) -> &[Rgb] {
         self.run(context, observer, &mut PrefixPool::new(1, 0), &|_| false);
-        self.split_paths.reduce(&mut self.outcomes);
-        &self.outcomes
+        self.split_paths.reduce(&mut self.radiances);
+        &self.radiances
     }
 
     /// The same for samples of the image, which may share what they find (see [`super::reuse`]).
@@ -98,23 +103,24 @@ impl Wave {
         let before = self.rays_traced;
         let guided = context.guide.is_some();
         let most = if guided { context.settings.reuse } else { 1 };
-        let mut pool = PrefixPool::new(most, self.outcomes.len());
+        let mut pool = PrefixPool::new(most, self.radiances.len());
         if !self.run(context, observer, &mut pool, gives_up) {
             return None;
         }
         if pool.is_open() {
-            self.shared.clone_from(&self.outcomes);
+            self.shared.clone_from(&self.radiances);
         }
-        self.split_paths.reduce(&mut self.outcomes);
-        let mut image = &self.outcomes;
+        self.split_paths.reduce(&mut self.radiances);
+        let mut image = &self.radiances;
         if pool.is_open() {
             self.rays_traced +=
                 pool.reduce(context, origins, &mut self.split_paths, &mut self.shared);
             image = &self.shared;
         }
         Some(Outcomes {
-            own: &self.outcomes,
+            own: &self.radiances,
             image,
+            first_hits: &self.first_hits,
             rays: self.rays_traced - before,
         })
     }
@@ -128,7 +134,7 @@ impl Wave {
         gives_up: &dyn Fn(u32) -> bool,
     ) -> bool {
         let mut edges: u32 = 0;
-        self.split_paths.start(self.outcomes.len());
+        self.split_paths.start(self.radiances.len());
         self.rough_vertices.clear();
         if context.guide.is_some() {
             let begin = |(path, ray)| (GuidedPath::new(path, lobe_splitting::FROM_CAMERA), ray);
@@ -160,13 +166,13 @@ impl Wave {
 
     /// Handles one vertex of every path.
     fn advance(&mut self, context: &PathContext, observer: &mut impl PathObserver) {
-        let (outcomes, shadows) = (&mut self.outcomes, &mut self.shadows);
+        let sums = (&mut self.radiances[..], &mut self.first_hits);
         self.rays_traced += advance(
             &mut self.plain,
             context,
             &mut Plain,
-            outcomes,
-            shadows,
+            sums,
+            &mut self.shadows,
             observer,
         );
     }
@@ -178,7 +184,7 @@ impl Wave {
         observer: &mut impl PathObserver,
         pool: &mut PrefixPool<'s>,
     ) {
-        let (outcomes, shadows) = (&mut self.outcomes, &mut self.shadows);
+        let sums = (&mut self.radiances[..], &mut self.first_hits);
         let mut output = GuidedOutput {
             split_paths: &mut self.split_paths,
             rough_vertices: &mut self.rough_vertices,
@@ -190,16 +196,16 @@ impl Wave {
             &mut self.guided,
             context,
             &mut output,
-            outcomes,
-            shadows,
+            sums,
+            &mut self.shadows,
             observer,
         );
         self.rays_traced += rays;
         self.guided.extend(self.split_paths.take());
         let accumulators = self.split_paths.accumulators();
-        self.outcomes.resize(accumulators, Outcome::default());
+        self.radiances.resize(accumulators, Rgb::ZERO);
         for (accumulator, radiance) in self.found.drain(..) {
-            self.outcomes[accumulator as usize].radiance += radiance;
+            self.radiances[accumulator as usize] += radiance;
         }
     }
 
@@ -216,7 +222,7 @@ impl Wave {
             scene.lights.prefetch(offers);
             for ShadowRay { accumulator, offer } in shadows {
                 let radiance = offer.radiance(&scene.lights);
-                self.outcomes[*accumulator as usize].radiance += radiance;
+                self.radiances[*accumulator as usize] += radiance;
                 observer.lit(*accumulator, radiance);
             }
         }
@@ -236,15 +242,16 @@ fn advance<'s, S: Scatter<'s>>(
     wavefront: &mut Wavefront<S::Path>,
     context: &PathContext<'s>,
     how: &mut S,
-    outcomes: &mut [Outcome],
+    (radiances, first_hits): (&mut [Rgb], &mut Vec<FirstHit>),
     shadows: &mut ShadowRays,
     observer: &mut impl PathObserver,
 ) -> u64 {
     shadows.offers.clear();
     shadows.rays.clear();
     wavefront.advance(context.scene, |path, ray, hit| {
-        let outcome = &mut outcomes[(*path).as_ref().accumulator as usize];
-        let result = bounce(context, (ray, hit), how, path, outcome, observer);
+        let radiance = &mut radiances[(*path).as_ref().accumulator as usize];
+        let met = (ray, hit);
+        let result = bounce(context, met, how, path, radiance, first_hits, observer);
         if let Some((ray, shadow)) = result.shadow {
             shadows.rays.push(ray);
             shadows.offers.push(shadow);

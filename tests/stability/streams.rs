@@ -15,12 +15,8 @@ fn pixel(built: &Built, path: &PathSettings, first: u64, count: u64) -> (f64, f6
     let view = built.view(path, None);
     let values: Vec<f64> = (first..first + count)
         .map(|i| {
-            f64::from(
-                trace_sample(&view, [8, 12], PathNumber::plain(i))
-                    .outcome
-                    .radiance
-                    .y,
-            )
+            let traced = trace_sample(&view, [8, 12], PathNumber::plain(i));
+            f64::from(traced.radiance.y)
         })
         .collect();
     let mean = values.iter().sum::<f64>() / count as f64;

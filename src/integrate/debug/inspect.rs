@@ -13,7 +13,7 @@ use crate::integrate::context::View;
 use crate::integrate::guided_path::GuidedPath;
 use crate::integrate::guided_scatter::GuidedOutput;
 use crate::integrate::lobe_splitting;
-use crate::integrate::path::{Outcome, Path};
+use crate::integrate::path::{FirstHit, Path};
 use crate::integrate::progress::{Limits, Observer, PASS_SPP, Progress};
 use crate::integrate::reuse::PrefixPool;
 use crate::integrate::splitting::SplitPaths;
@@ -77,7 +77,7 @@ pub struct Traced {
     /// All edges of its path and of the ways that it was split into, bounce by bounce.
     pub steps: Vec<Step>,
     /// What it came to.
-    pub outcome: Outcome,
+    pub radiance: Rgb,
     /// Its weight by the reconstruction filter.
     pub weight: f32,
 }
@@ -94,14 +94,17 @@ pub fn trace_sample(view: &View, [x, y]: [u32; 2], path: PathNumber) -> Traced {
     let path = GuidedPath::new(Path::new(&camera, sampler, 0), budget);
     let (mut split_paths, mut rough_vertices) = (SplitPaths::default(), Vec::new());
     split_paths.start(1);
-    let mut outcomes = vec![Outcome::default()];
+    let (mut radiances, mut first_hits) = (vec![Rgb::ZERO], Vec::new());
     let mut steps = Vec::new();
     let mut wavefront = Wavefront::default();
     wavefront.push(path, camera.ray);
     while !wavefront.is_empty() && steps.len() < MOST_STEPS {
         let (mut found, mut lit) = (Vec::new(), Vec::new());
         wavefront.advance(view.scene, |path: &mut GuidedPath, ray, hit| {
-            let outcome = &mut outcomes[path.base.accumulator as usize];
+            let sums = (
+                &mut radiances[path.base.accumulator as usize],
+                &mut first_hits,
+            );
             let output = GuidedOutput {
                 split_paths: &mut split_paths,
                 rough_vertices: &mut rough_vertices,
@@ -109,20 +112,20 @@ pub fn trace_sample(view: &View, [x, y]: [u32; 2], path: PathNumber) -> Traced {
                 found: &mut found,
                 rays: &mut 0,
             };
-            let result = step(view, (ray, hit), (path, outcome), output, &mut steps);
+            let result = step(view, (ray, hit), path, sums, output, &mut steps);
             lit.extend(result.lit);
             result.ray
         });
         wavefront.extend(split_paths.take());
-        outcomes.resize(split_paths.accumulators(), Outcome::default());
+        radiances.resize(split_paths.accumulators(), Rgb::ZERO);
         for (accumulator, radiance) in found.into_iter().chain(lit) {
-            outcomes[accumulator as usize].radiance += radiance;
+            radiances[accumulator as usize] += radiance;
         }
     }
-    split_paths.reduce(&mut outcomes);
+    split_paths.reduce(&mut radiances);
     Traced {
         steps,
-        outcome: outcomes[0],
+        radiance: radiances[0],
         weight,
     }
 }
@@ -194,7 +197,8 @@ struct EdgeResult {
 fn step<'s>(
     view: &View<'s>,
     (ray, hit): (&Ray, &Hit),
-    (path, outcome): (&mut GuidedPath, &mut Outcome),
+    path: &mut GuidedPath,
+    (radiance, first_hits): (&mut Rgb, &mut Vec<FirstHit>),
     mut output: GuidedOutput<'_, 's>,
     steps: &mut Vec<Step>,
 ) -> EdgeResult {
@@ -204,12 +208,20 @@ fn step<'s>(
         accumulator,
         ..
     } = path.base;
-    let before = (outcome.radiance, output.found.len());
-    outcome.radiance = Rgb::ZERO;
+    let found_before = output.found.len();
+    let before = std::mem::replace(radiance, Rgb::ZERO);
     let context = view.context();
-    let result = bounce(&context, (ray, hit), &mut output, path, outcome, &mut ());
-    let met = outcome.radiance;
-    outcome.radiance = before.0 + met;
+    let result = bounce(
+        &context,
+        (ray, hit),
+        &mut output,
+        path,
+        radiance,
+        first_hits,
+        &mut (),
+    );
+    let met = *radiance;
+    *radiance = before + met;
     let light = result.shadow.map(|(shadow, brought)| {
         let light = LightBrought {
             radiance: brought.offer.radiance(&view.scene.lights),
@@ -225,7 +237,7 @@ fn step<'s>(
         pdf,
         met,
         light: light.map(|(_, light)| light),
-        manifold: output.found[before.1..]
+        manifold: output.found[found_before..]
             .iter()
             .map(|(_, found)| *found)
             .sum(),

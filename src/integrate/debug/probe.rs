@@ -134,12 +134,8 @@ pub fn brute_force(
             settings,
             guide: None,
         };
-        let outcomes = wave.trace(&context, &mut ());
-        let sum: Rgb = outcomes
-            .iter()
-            .zip(&cosines)
-            .map(|(o, c)| o.radiance * *c)
-            .sum();
+        let radiances = wave.trace(&context, &mut ());
+        let sum: Rgb = radiances.iter().zip(&cosines).map(|(l, c)| *l * *c).sum();
         sum / spp as f32
     })
 }

@@ -6,11 +6,10 @@ use crate::bsdf::Bsdf;
 use crate::integrate::camera_sample::Origin;
 use crate::integrate::context::PathContext;
 use crate::integrate::guided_path::{GuidedPath, PrefixState};
-use crate::integrate::path::Outcome;
 use crate::integrate::splitting::SplitPaths;
 use crate::integrate::vertex::Vertex;
-use crate::math::Vec3;
 use crate::math::rng::hash_all;
+use crate::math::{Rgb, Vec3};
 use crate::texture::SurfacePoint;
 
 /// What the paths of a wave have to share.
@@ -77,14 +76,14 @@ impl<'s> PrefixPool<'s> {
             return Admission::Alone;
         };
         path.prefix = PrefixState::Past;
-        let suffix = bsdf
+        let shared = bsdf
             .view()
-            .and_then(|v| Suffix::new(point, wo, &path.base, v));
-        let Some(mut suffix) = suffix else {
+            .filter(|v| Suffix::takes_part(wo, &path.base, v));
+        let Some(view) = shared else {
             return Admission::Alone;
         };
         path.base.accumulator = split_paths.open(path.base.accumulator);
-        suffix.accumulator = path.base.accumulator;
+        let suffix = Suffix::new(point, wo, &path.base, view);
         self.prefixes[prefix as usize].suffix = Some(suffix);
         Admission::Shares
     }
@@ -96,7 +95,7 @@ impl<'s> PrefixPool<'s> {
         context: &PathContext,
         origins: &[Origin],
         split_paths: &mut SplitPaths,
-        outcomes: &mut [Outcome],
+        radiances: &mut [Rgb],
     ) -> u64 {
         let mut exchange = Reconnector::new(context, &self.prefixes);
         let suffixes = self
@@ -104,12 +103,12 @@ impl<'s> PrefixPool<'s> {
             .iter()
             .filter_map(|prefix| prefix.suffix.as_ref());
         suffixes.for_each(|suffix| split_paths.detach(suffix.accumulator));
-        split_paths.reduce(outcomes);
+        split_paths.reduce(radiances);
         for group in self.groups(context.settings.seed, origins) {
-            exchange.meet(&group, outcomes);
+            exchange.meet(&group, radiances);
         }
         for contribution in &exchange.contributions {
-            contribution.pay(outcomes);
+            contribution.pay(radiances);
         }
         exchange.rays_traced
     }

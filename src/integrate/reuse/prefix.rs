@@ -83,17 +83,23 @@ pub(super) struct Suffix {
 }
 
 impl Suffix {
-    /// What a path shares that arrives at a vertex with this view; none if it takes no part.
+    /// Whether a path that arrives at a vertex with this view takes part.
     #[inline]
-    pub fn new(point: &SurfacePoint, wo: Vec3, path: &Path, view: View) -> Option<Self> {
-        is_shareable(path.throughput, view.factor(wo)).then(|| Self {
+    pub fn takes_part(wo: Vec3, path: &Path, view: &View) -> bool {
+        is_shareable(path.throughput, view.factor(wo))
+    }
+
+    /// What it shares, once it has an accumulator for that.
+    #[inline]
+    pub fn new(point: &SurfacePoint, wo: Vec3, path: &Path, view: View) -> Self {
+        Self {
             position: point.p,
             normals: point.normals(),
             wo,
             view,
             accumulator: path.accumulator,
             throughput: path.throughput,
-        })
+        }
     }
 
     /// By what factors its own prefix and one in direction `w` see it.

@@ -5,7 +5,6 @@ use crate::accel::Ray;
 use crate::bsdf::Transport;
 use crate::integrate::context::PathContext;
 use crate::integrate::next_event::shadow_ray;
-use crate::integrate::path::Outcome;
 use crate::math::Rgb;
 use crate::math::frame::normals_disagree;
 use crate::math::offset::offset_origin;
@@ -63,14 +62,14 @@ impl<'e, 's> Reconnector<'e, 's> {
 
     /// Shares the suffixes of a group of prefixes, whose accumulators are complete. Those that
     /// brought no light are passed over.
-    pub fn meet(&mut self, group: &[u32], outcomes: &[Outcome]) {
+    pub fn meet(&mut self, group: &[u32], radiances: &[Rgb]) {
         self.links.clear();
         self.rays.clear();
         for &from in group {
             let Some(suffix) = &self.prefixes[from as usize].suffix else {
                 continue;
             };
-            if outcomes[suffix.accumulator as usize].radiance == Rgb::ZERO {
+            if radiances[suffix.accumulator as usize] == Rgb::ZERO {
                 continue;
             }
             let begin = (self.links.len(), self.rays.len());
@@ -168,10 +167,10 @@ impl<'e, 's> Reconnector<'e, 's> {
 impl Contribution {
     /// Pays it out of the accumulators. What is not finite is for its own sample alone: there it is
     /// found again.
-    pub fn pay(&self, outcomes: &mut [Outcome]) {
-        let light = outcomes[self.accumulator as usize].radiance;
+    pub fn pay(&self, radiances: &mut [Rgb]) {
+        let light = radiances[self.accumulator as usize];
         if light.is_finite() || self.is_own {
-            outcomes[self.sample as usize].radiance += self.weight * light;
+            radiances[self.sample as usize] += self.weight * light;
         }
     }
 }
@@ -217,16 +216,7 @@ mod tests {
 
     #[test]
     fn what_is_not_finite_is_kept_from_others() {
-        let accumulator = |radiance| Outcome {
-            radiance: Rgb::splat(radiance),
-            ..Outcome::default()
-        };
-        let mut outcomes = [
-            accumulator(0.0),
-            accumulator(0.0),
-            accumulator(2.0),
-            accumulator(f32::NAN),
-        ];
+        let mut radiances = [0.0, 0.0, 2.0, f32::NAN].map(Rgb::splat);
         for (accumulator, sample, is_own) in
             [(2, 0, false), (2, 1, true), (3, 0, false), (3, 1, true)]
         {
@@ -236,9 +226,9 @@ mod tests {
                 is_own,
                 weight: Rgb::splat(0.25),
             };
-            contribution.pay(&mut outcomes);
+            contribution.pay(&mut radiances);
         }
-        assert_eq!(outcomes[0].radiance, Rgb::splat(0.5));
-        assert!(outcomes[1].radiance.is_nan());
+        assert_eq!(radiances[0], Rgb::splat(0.5));
+        assert!(radiances[1].is_nan());
     }
 }

@@ -1,7 +1,7 @@
 //! Training samples from paths whose light is made up.
 
 use crate::integrate::observer::{Departure, PathObserver, SampledDirection};
-use crate::integrate::path::{Arrival, Outcome};
+use crate::integrate::path::Arrival;
 use crate::integrate::training::record::{PathRecords, TrainingSamples};
 use crate::math::{Rgb, Vec3};
 
@@ -45,14 +45,7 @@ fn conclude_into(
     radiances: &[Rgb],
     training_samples: &mut TrainingSamples,
 ) {
-    let outcomes: Vec<Outcome> = radiances
-        .iter()
-        .map(|&radiance| Outcome {
-            radiance,
-            ..Outcome::default()
-        })
-        .collect();
-    records.conclude(&outcomes, training_samples);
+    records.conclude(radiances, training_samples);
 }
 
 /// Two paths, vertex by vertex in turn, as waves advance.

@@ -41,9 +41,9 @@ pub(super) fn training_samples(
                 wave.push(ray, sampler);
             }
             let mut training_samples = TrainingSamples::default();
-            let outcomes = wave.trace(&context, records);
+            let radiances = wave.trace(&context, records);
             add_traced(WAVE_PATHS.min(range.end - from));
-            records.conclude(outcomes, &mut training_samples);
+            records.conclude(radiances, &mut training_samples);
             training_samples
         })
         .collect()

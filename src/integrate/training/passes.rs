@@ -145,9 +145,9 @@ fn pass(
                 |records, outcomes, starts| {
                     records.conclude(outcomes.own, training_samples);
                     survey.add_rays(outcomes.rays, starts.len());
-                    for (outcome, start) in outcomes.image.iter().zip(starts) {
-                        let radiance = outcome.radiance * start.weight;
-                        survey.add(start.pixel as usize, radiance, start.worth);
+                    for (radiance, start) in outcomes.image.iter().zip(starts) {
+                        let weighted = *radiance * start.weight;
+                        survey.add(start.pixel as usize, weighted, start.worth);
                     }
                 },
             );

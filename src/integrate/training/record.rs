@@ -10,7 +10,6 @@
 
 use crate::guide::{FractionRecord, PathSample};
 use crate::integrate::observer::{Departure, PathObserver};
-use crate::integrate::path::Outcome;
 use crate::math::Rgb;
 
 #[derive(Clone, Copy, Debug)]
@@ -103,10 +102,9 @@ impl PathRecords {
 
     /// Turns the records of finished paths into training samples, in the order in which they were
     /// made, and forgets them.
-    pub fn conclude(&mut self, outcomes: &[Outcome], training_samples: &mut TrainingSamples) {
+    pub fn conclude(&mut self, radiances: &[Rgb], training_samples: &mut TrainingSamples) {
         for record in self.list.drain(..) {
-            let outcome = &outcomes[record.accumulator as usize];
-            training_samples.add(&record, outcome.radiance);
+            training_samples.add(&record, radiances[record.accumulator as usize]);
         }
         self.open.clear();
     }
