@@ -163,13 +163,3 @@ pub fn read_linear(path: &Path) -> Result<Image, ImageError> {
     }
     Ok(image)
 }
-
-/// Reads all parts of an image file as [`read`] reads the first.
-pub fn read_parts(path: &Path) -> Result<Vec<Image>, ImageError> {
-    let mut file = ImageFile::open(path)?;
-    let mut parts = vec![file.image()?];
-    while file.seek(parts.len() as u32, 0)? {
-        parts.push(file.image()?);
-    }
-    Ok(parts)
-}

@@ -1,6 +1,6 @@
 //! Tests of whole files.
 
-use super::file::{ImageFile, read_parts};
+use super::file::ImageFile;
 use super::write::write_parts;
 use super::*;
 use crate::math::Pcg32;
@@ -34,6 +34,16 @@ fn half_rounded(image: &Image) -> Vec<f32> {
 const FILM: [&str; 8] = [
     "R", "G", "B", "albedo.R", "albedo.G", "albedo.B", "depth.Z", "normal.X",
 ];
+
+/// Reads all parts of an image file.
+fn read_parts(path: &Path) -> Result<Vec<Image>, ImageError> {
+    let mut file = ImageFile::open(path)?;
+    let mut parts = vec![file.image()?];
+    while file.seek(parts.len() as u32, 0)? {
+        parts.push(file.image()?);
+    }
+    Ok(parts)
+}
 
 #[test]
 fn exr_returns_what_it_got_in_every_packing() {

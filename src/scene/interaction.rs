@@ -23,7 +23,11 @@ impl Surfaces {
     /// width of the ray's cone there.
     #[inline(always)]
     pub fn interaction(&self, ray: &Ray, hit: &Hit, footprint: f32) -> Option<Interaction<'_>> {
-        hit.is_some().then(|| Interaction {
+        // No closure: it would be a function of its own, and the point handed over in memory.
+        if !hit.is_some() {
+            return None;
+        }
+        Some(Interaction {
             surface: &self.list[hit.shape as usize],
             point: self.point(ray, hit, footprint),
             wo: -ray.dir,

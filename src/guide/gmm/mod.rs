@@ -42,7 +42,7 @@ mod square;
 mod train;
 
 pub use super::gaussian::{LOBES, Lobe, Mixture};
-pub use em::{Sample, fit};
+pub use em::Sample;
 pub use field::{LocalMixture, Mixtures};
 pub use train::GmmTrainer;
 

@@ -48,6 +48,7 @@ pub struct RawPart {
     pub pixels: *const f32,
 }
 
+#[cfg(test)]
 #[repr(C)]
 pub struct Lookup {
     pub s: f32,
@@ -138,6 +139,7 @@ functions! {
         type_: c_int,
         data: *mut c_void,
     ) -> c_int;
+    #[cfg(test)]
     pub fn twt_texture_lookup(
         textures: *mut Textures,
         thread: *mut Thread,

@@ -43,7 +43,8 @@ thread_local! {
     static RECORD: Cell<(u64, *mut ffi::Thread)> = const { Cell::new((0, ptr::null_mut())) };
 }
 
-/// What to look up, in OpenImageIO's own terms: stored values, `t` from the top row down.
+/// What to look up, to compare with: in OpenImageIO's own terms: stored values, `t` from the top row down.
+#[cfg(test)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lookup {
     /// Place.
@@ -163,8 +164,9 @@ impl TextureSystem {
         bad == 0
     }
 
-    /// OpenImageIO's own filtered look-up of stored values: for what is stored linearly, or to
-    /// compare with. False if the file cannot be read.
+    /// OpenImageIO's own filtered look-up of stored values, to compare with. False if the file
+    /// cannot be read.
+    #[cfg(test)]
     pub fn lookup(&self, texture: Handle, lookup: &Lookup, result: &mut [f32]) -> bool {
         let raw = ffi::Lookup {
             s: lookup.st[0],

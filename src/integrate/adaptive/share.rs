@@ -29,13 +29,6 @@ pub struct TileShares {
 pub type Shares = Vec<TileShares>;
 
 impl Share {
-    /// One path for each sample.
-    pub const EVEN: Self = Self {
-        before: 0,
-        many: BLOCK,
-        phase: 0,
-    };
-
     /// About `share` paths a sample after `before` others. Of two uniform numbers, one decides
     /// whether that is rounded up or down, so that the mean over many pixels is right, the other
     /// which samples rare paths belong to.
@@ -130,9 +123,10 @@ mod tests {
                 .sum();
             assert!((sum / n as f32 - share).abs() < 1e-3 * share, "{share}");
         }
-        assert_eq!(Share::new(1.0, 0, [0.3, 0.0]), Share::EVEN);
-        assert_eq!(Share::EVEN.paths(5), 5..6);
-        assert_eq!(Share::EVEN.worth(), 1.0);
+        let even = Share::new(1.0, 0, [0.3, 0.0]);
+        assert_eq!((even.before, even.many, even.phase), (0, BLOCK, 0));
+        assert_eq!(even.paths(5), 5..6);
+        assert_eq!(even.worth(), 1.0);
     }
 
     #[test]

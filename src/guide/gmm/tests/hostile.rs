@@ -1,6 +1,7 @@
 //! Photons, points and settings that make no sense.
 
-use super::super::{GmmTrainer, Sample, Settings, fit};
+use super::super::{GmmTrainer, Sample, Settings};
+use super::fit;
 use crate::guide::{Photon, SurfacePoint};
 use crate::math::{Pcg32, Rgb, Vec2, Vec3};
 

@@ -1,6 +1,7 @@
 //! Expectation maximisation and the records around it.
 
-use super::super::{GmmTrainer, LOBES, Lobe, Mixture, Sample, Settings, fit};
+use super::super::{GmmTrainer, LOBES, Lobe, Mixture, Sample, Settings};
+use super::fit;
 use crate::guide::gaussian::Domain;
 use crate::guide::{Photon, SurfacePoint};
 use crate::math::{Pcg32, Rgb, Vec2, Vec3};
