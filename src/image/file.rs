@@ -107,7 +107,7 @@ impl ImageFile {
     }
 
     /// The current part, numbers as stored in `f32`; integers become 0 to 1.
-    fn image(&mut self) -> Result<Image, ImageError> {
+    pub(super) fn image(&mut self) -> Result<Image, ImageError> {
         let Header {
             level, channels, ..
         } = self.header.clone();
