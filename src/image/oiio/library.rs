@@ -29,16 +29,19 @@ pub fn open() -> Result<Library, String> {
 /// Declares the functions of the shim: each is looked up by its name when the shim is loaded, and
 /// called through a pointer.
 macro_rules! functions {
-    ($(pub fn $name:ident($($argument:ident: $type:ty),* $(,)?) $(-> $result:ty)?;)*) => {
+    ($(
+        $(#[$attribute:meta])*
+        pub fn $name:ident($($argument:ident: $type:ty),* $(,)?) $(-> $result:ty)?;
+    )*) => {
         struct Functions {
-            $($name: unsafe extern "C" fn($($type),*) $(-> $result)?,)*
+            $($(#[$attribute])* $name: unsafe extern "C" fn($($type),*) $(-> $result)?,)*
         }
 
         impl Functions {
             fn find() -> Result<Self, String> {
                 let library = $crate::image::oiio::library::open()?;
                 let functions = Self {
-                    $($name: {
+                    $($(#[$attribute])* $name: {
                         let name = concat!(stringify!($name), "\0").as_bytes();
                         // SAFETY: the shim defines it with the type that is declared here.
                         *unsafe { library.get(name) }.map_err(|e| e.to_string())?
@@ -70,6 +73,7 @@ macro_rules! functions {
         }
 
         $(
+            $(#[$attribute])*
             #[inline]
             pub unsafe fn $name($($argument: $type),*) $(-> $result)? {
                 // SAFETY: the caller keeps to what ffi/oiio_shim.h says.
