@@ -6,10 +6,10 @@ use support::{Built, SceneMaker, Silent, Spread, film_mean, grey, how, inside_of
 use twintree::accel::{AnalyticKind, Backend};
 use twintree::bsdf::material::Dielectric;
 use twintree::film::Film;
-use twintree::integrate::PathSettings;
 use twintree::integrate::progress::{Limits, Spent};
 use twintree::integrate::render::resume;
 use twintree::integrate::training::Learner;
+use twintree::integrate::{GuidedSettings, PathSettings};
 use twintree::math::{Affine3A, Vec3};
 
 /// A closed room lit by a lamp that shines at the ceiling, with a ball of glass, half behind a
@@ -43,7 +43,10 @@ const SPP: u64 = 32;
 fn render(scene: &Built, adaptive: bool, seed: u64) -> Film {
     let path = PathSettings {
         max_depth: 8,
-        adaptive,
+        guided: GuidedSettings {
+            adaptive,
+            ..GuidedSettings::PLAIN
+        },
         seed,
         ..support::settings()
     };

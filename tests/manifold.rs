@@ -7,12 +7,12 @@ use twintree::accel::{AnalyticKind, Backend};
 use twintree::bsdf::material::{Conductor, Dielectric, Plastic};
 use twintree::film::Film;
 use twintree::guide::ModelKind;
-use twintree::integrate::PathSettings;
 use twintree::integrate::camera_sample::PathNumber;
 use twintree::integrate::debug::inspect::trace_sample;
 use twintree::integrate::guiding::Guide;
 use twintree::integrate::manifold::{ManifoldSampling, find_chains};
 use twintree::integrate::training::{garbage, learn};
+use twintree::integrate::{GuidedSettings, PathSettings};
 use twintree::light::{Emitter, SunSky};
 use twintree::math::{Affine3A, Quat, Rgb, Vec3};
 use twintree::photon::schedule::Budget;
@@ -111,7 +111,10 @@ fn lit_balls(aside: f32, light: impl FnOnce(&mut SceneMaker)) -> Built {
 fn path(seed: u64) -> PathSettings {
     PathSettings {
         max_depth: 8,
-        manifold: true,
+        guided: GuidedSettings {
+            manifold: true,
+            ..GuidedSettings::PLAIN
+        },
         seed,
         ..support::settings()
     }
@@ -175,7 +178,10 @@ fn whoever_aims_and_at_whatever_finds_the_unguided_mean() {
         (
             "shared",
             PathSettings {
-                reuse: 16,
+                guided: GuidedSettings {
+                    reuse: 16,
+                    ..path(2).guided
+                },
                 ..path(2)
             },
         ),
@@ -183,7 +189,10 @@ fn whoever_aims_and_at_whatever_finds_the_unguided_mean() {
         // What is shared makes neighbours alike: their errors are more than their own variances
         // tell.
         let other = PathSettings {
-            reuse: 1,
+            guided: GuidedSettings {
+                reuse: 1,
+                ..path.guided
+            },
             seed: 7,
             ..path.clone()
         };
@@ -254,7 +263,7 @@ fn nobody_aims_where_nothing_shines_in() {
     assert!(find_chains(&dark.view(&path(1), None), BUDGET).is_none());
     let scene = balls(0.0, Some(4.0));
     let unwilling = PathSettings {
-        manifold: false,
+        guided: GuidedSettings::PLAIN,
         ..path(1)
     };
     assert!(find_chains(&scene.view(&unwilling, None), BUDGET).is_none());

@@ -11,7 +11,6 @@ use twintree::bsdf::material::{
 };
 use twintree::film::Film;
 use twintree::guide::ModelKind;
-use twintree::integrate::PathSettings;
 use twintree::integrate::camera_sample::Origin;
 use twintree::integrate::guiding::Guide;
 use twintree::integrate::path::FirstHit;
@@ -19,6 +18,7 @@ use twintree::integrate::progress::{Limits, Spent};
 use twintree::integrate::render::resume;
 use twintree::integrate::training::{garbage, learn};
 use twintree::integrate::wave::Wave;
+use twintree::integrate::{GuidedSettings, PathSettings};
 use twintree::math::{Affine3A, Rgb, Vec2, Vec3};
 use twintree::scene::{Geometry, Mesh};
 use twintree::texture::Texture;
@@ -130,7 +130,10 @@ fn rounded(center: Vec3, radius: f32) -> Geometry {
 fn path(reuse: u32, seed: u64) -> PathSettings {
     PathSettings {
         max_depth: 12,
-        reuse,
+        guided: GuidedSettings {
+            reuse,
+            ..GuidedSettings::PLAIN
+        },
         seed,
         ..settings()
     }

@@ -15,10 +15,10 @@ use std::sync::OnceLock;
 use support::{Built, SceneMaker, Silent, film_mean, how, inside_of_cube, mesh};
 use twintree::accel::{AnalyticKind, Backend};
 use twintree::film::Film;
-use twintree::integrate::PathSettings;
 use twintree::integrate::progress::{Limits, Spent};
 use twintree::integrate::render::resume;
 use twintree::integrate::training::Learner;
+use twintree::integrate::{GuidedSettings, PathSettings};
 use twintree::math::{Affine3A, Vec3};
 use twintree::scene::description::SamplerKind;
 
@@ -144,9 +144,12 @@ fn samples(spp: u64) -> Limits {
 #[test]
 fn with_all_that_is_on_by_default() {
     let path = PathSettings {
-        reuse: 32,
-        manifold: true,
-        adaptive: true,
+        guided: GuidedSettings {
+            reuse: 32,
+            manifold: true,
+            adaptive: true,
+            ..GuidedSettings::PLAIN
+        },
         ..settings(SamplerKind::Sobol)
     };
     check(&path, samples(16));
@@ -156,7 +159,10 @@ fn with_all_that_is_on_by_default() {
 fn with_samples_spread_by_noise() {
     for sampler in [SamplerKind::Sobol, SamplerKind::Independent] {
         let path = PathSettings {
-            adaptive: true,
+            guided: GuidedSettings {
+                adaptive: true,
+                ..GuidedSettings::PLAIN
+            },
             ..settings(sampler)
         };
         // 20 end within a block of the shares.
@@ -172,7 +178,10 @@ fn with_a_field_that_the_image_teaches() {
 #[test]
 fn with_shared_paths() {
     let path = PathSettings {
-        reuse: 32,
+        guided: GuidedSettings {
+            reuse: 32,
+            ..GuidedSettings::PLAIN
+        },
         ..settings(SamplerKind::Sobol)
     };
     check(&path, samples(16));

@@ -14,10 +14,10 @@ use twintree::bsdf::material::Plastic;
 use twintree::film::Film;
 use twintree::film::layers::{Layers, Metadata};
 use twintree::image::metrics::blocks::KnownNoise;
-use twintree::integrate::PathSettings;
 use twintree::integrate::progress::{Limits, Spent};
 use twintree::integrate::render::resume;
 use twintree::integrate::training::Learner;
+use twintree::integrate::{GuidedSettings, PathSettings};
 use twintree::math::{Affine3A, Vec3};
 use twintree::scene::description::SamplerKind;
 
@@ -174,7 +174,10 @@ fn of_sobol_points() {
 #[test]
 fn of_shared_paths() {
     let path = PathSettings {
-        reuse: 32,
+        guided: GuidedSettings {
+            reuse: 32,
+            ..GuidedSettings::PLAIN
+        },
         ..sobol()
     };
     check("shared", &path, true);
@@ -183,7 +186,10 @@ fn of_shared_paths() {
 #[test]
 fn of_samples_spread_by_noise() {
     let path = PathSettings {
-        adaptive: true,
+        guided: GuidedSettings {
+            adaptive: true,
+            ..GuidedSettings::PLAIN
+        },
         ..sobol()
     };
     check("spread", &path, true);

@@ -1,8 +1,17 @@
 //! `twintree check`: is the scene all right?
 
-use super::args::CheckArgs;
 use super::load::{self, Input};
+use super::scene_args::SceneArgs;
 use super::{Failure, console};
+use clap::Args;
+
+/// Arguments of `twintree check`.
+#[derive(Args, Debug)]
+pub struct CheckArgs {
+    /// Scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+}
 
 /// Loads the scene; its warnings are logged on the way, and so is what a render would say of its
 /// lights.

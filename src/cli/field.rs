@@ -1,28 +1,118 @@
 //! `twintree field`: what is in a field, in numbers and pictures.
 
-use super::field_args::FieldArgs;
+use super::guide_args::{FieldName, field_name};
 use super::learning::Opened;
-use super::light_args::LightArgs;
+use super::light_args::{Depth, LightArgs};
 use super::load::{self, Input, Loaded};
+use super::picture_args::SizeArgs;
 use super::ray_args::RayArgs;
-use super::scene_args::SceneArgs;
+use super::scene_args::{ReadArgs, SceneArgs};
 use super::targets::{check_distinct, named, try_target};
-use super::values::Pixel;
-use super::{Failure, console, output, settings};
+use super::{Failure, console, output, settings, values};
 use crate::camera::Camera;
 use crate::image::{Image, WriteOptions};
-use crate::integrate::View;
 use crate::integrate::debug::cells;
 use crate::integrate::debug::probe::{self, LatLong};
 use crate::integrate::guiding::Guide;
 use crate::integrate::training::extend::to_guide;
+use crate::integrate::{GuidedSettings, View};
 use crate::math::{Rgb, Vec2};
 use crate::report::field::FieldReport;
 use crate::scene::Scene;
 use crate::scene::interaction::Interaction;
+use clap::Args;
 use std::f32::consts::PI;
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+/// Arguments of `twintree field`.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "What to show")]
+pub struct FieldArgs {
+    /// Field that "twintree train" made; any:FILE may be that of another scene or camera than --scene
+    #[arg(value_name = "[any:]FIELD", value_parser = field_name())]
+    pub field: FieldName,
+    /// Print what is in it: records, nodes, links, depths, bytes. The default, if nothing else is
+    /// asked for
+    #[arg(long)]
+    pub stats: bool,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Draw where light comes from at the point that a pixel sees: left as the field has it, right
+    /// as unguided paths find it
+    #[arg(long, value_name = "X,Y", allow_hyphen_values = true, requires_all = ["scene", "output"])]
+    pub pixel: Option<ProbedPixel>,
+    /// File for that: directions, the scene's z axis up, as densities, 1 is the mean over the
+    /// sphere
+    #[arg(short, long, value_name = "FILE", requires = "pixel")]
+    pub output: Option<PathBuf>,
+    /// Draw the cells of space that the camera sees, each in a colour of its own
+    #[arg(long, value_name = "FILE", requires = "scene")]
+    pub tree: Option<PathBuf>,
+    /// The scene that it was learned for
+    #[arg(long, value_name = "FILE", help_heading = "Scene")]
+    pub scene: Option<PathBuf>,
+    /// How it is read.
+    #[command(flatten)]
+    pub read: ReadArgs,
+    /// Size of the camera's picture.
+    #[command(flatten)]
+    pub size: SizeArgs,
+    /// The picture of directions.
+    #[command(flatten)]
+    pub probe: ProbeArgs,
+}
+
+/// How the picture of directions is made.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Picture")]
+pub struct ProbeArgs {
+    /// Longest path, in edges, or "unlimited" [default: the scene's]
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub max_depth: Option<Depth>,
+    /// Seed of the paths
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+    /// Rows of the picture of directions
+    #[arg(long, value_name = "N", default_value_t = 96, value_parser = clap::value_parser!(u32).range(2..=2048))]
+    pub rows: u32,
+    /// Paths a pixel of that picture
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    pub spp: u32,
+    /// Include light straight from emitters, which next-event estimation finds without a field
+    #[arg(long)]
+    pub direct: bool,
+    /// Brightness of .png and .jpg, as a power of two
+    #[arg(long, value_name = "STOPS", default_value_t = -3.0, value_parser = values::stops,
+          allow_negative_numbers = true)]
+    pub exposure: f32,
+}
+
+/// A pixel of a film: column from the left, row from the top.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ProbedPixel {
+    x: u32,
+    y: u32,
+}
+
+impl FromStr for ProbedPixel {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let Some([x, y]) = values::list(text) else {
+            return Err("expected two whole numbers x,y such as 160,90".into());
+        };
+        Ok(Self { x, y })
+    }
+}
+
+impl std::fmt::Display for ProbedPixel {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{},{}", self.x, self.y)
+    }
+}
 
 /// Prints and draws what is asked for.
 ///
@@ -35,10 +125,10 @@ pub fn run(args: &FieldArgs) -> Result<(), Failure> {
         try_target(path)?;
     }
     check_files(args)?;
-    let opened = Opened::read(&args.field)?;
+    let opened = Opened::named(&args.field)?;
     let pictures = args.pixel.is_some() || args.tree.is_some();
     if args.stats || args.json || !pictures {
-        let report = FieldReport::of(&args.field, &opened.file);
+        let report = FieldReport::of(&args.field.path, &opened.file);
         console::print_result(&if args.json {
             report.to_json()
         } else {
@@ -58,7 +148,7 @@ fn check_files(args: &FieldArgs) -> Result<(), Failure> {
         ("--tree", args.tree.as_deref()),
     ]);
     let read = named(&[
-        ("the field", Some(&args.field)),
+        ("the field", Some(&args.field.path)),
         ("the scene", args.scene.as_deref()),
     ]);
     check_distinct(&written, &read)
@@ -70,14 +160,14 @@ fn look(args: &FieldArgs, scene: &Path, opened: &Opened) -> Result<(), Failure> 
     let description = &loaded.description;
     let film = &description.film;
     let light = LightArgs {
-        max_depth: args.max_depth,
+        max_depth: args.probe.max_depth,
         rr_depth: None,
         sampler: None,
-        seed: args.seed,
-        hide_emitters: !args.direct,
+        seed: args.probe.seed,
+        hide_emitters: !args.probe.direct,
         strict_normals: false,
     };
-    let settings = settings::path_settings(&light, &description.render);
+    let settings = settings::path_settings(&light, &description.render, GuidedSettings::PLAIN);
     let guide = to_guide(&opened.file);
     let view = View {
         scene: &scene,
@@ -103,11 +193,10 @@ fn look(args: &FieldArgs, scene: &Path, opened: &Opened) -> Result<(), Failure> 
 
 /// Reads and builds the scene of a field.
 fn read(args: &FieldArgs, scene: &Path, opened: &Opened) -> Result<(Loaded, Scene), Failure> {
-    let named = SceneArgs::of(scene, &args.define, args.lenient);
+    let named = SceneArgs::of(scene, &args.read);
     let mut loaded = load::load(&named, &Input::of(&named)?, None)?;
-    let (width, height) = (args.size.width, args.size.height);
-    settings::resize(&mut loaded.description.film, width, height);
-    opened.check(loaded.fingerprint()?, args.any_scene)?;
+    settings::resize(&mut loaded.description.film, args.size);
+    opened.check(loaded.fingerprint()?)?;
     let scene = loaded.build(&RayArgs::default())?;
     Ok((loaded, scene))
 }
@@ -117,7 +206,7 @@ fn probe(
     args: &FieldArgs,
     view: &View,
     guide: &Guide,
-    pixel: Pixel,
+    pixel: ProbedPixel,
     path: &Path,
 ) -> Result<(), Failure> {
     let (width, height) = (view.film.width, view.film.height);
@@ -133,9 +222,10 @@ fn probe(
         return Err(Failure::wrong(format!("pixel {pixel} sees nothing"), help));
     };
     let normal = point.facing(wo);
-    let learned = probe::learned(guide, &point, normal, args.rows);
+    let (rows, spp) = (args.probe.rows, args.probe.spp);
+    let learned = probe::learned(guide, &point, normal, rows);
     let settings = view.settings;
-    let traced = probe::brute_force(view.scene, settings, &point, normal, args.rows, args.spp);
+    let traced = probe::brute_force(view.scene, settings, &point, normal, rows, spp);
     let local = guide.field.at(point.p, Some(normal), Rgb::ONE);
     let mut text = String::new();
     // Writing to a string cannot fail.
@@ -150,7 +240,7 @@ fn probe(
     let _ = writeln!(text, "learned       {} W/m^2", local.irradiance());
     let _ = writeln!(text, "brute force   {} W/m^2", traced.integral());
     console::print_result(&text)?;
-    write(path, &beside(&learned, &traced), args.exposure)
+    write(path, &beside(&learned, &traced), args.probe.exposure)
 }
 
 /// Two distributions side by side, each relative to the uniform density.

@@ -1,57 +1,66 @@
 //! What can be typed about the files of an image.
 
+use super::choice::{Choice, choice};
 use super::values;
+use crate::image::{Compression, PixelType};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
 /// What is written, and how.
 #[derive(Args, Debug)]
+#[command(next_help_heading = "Output")]
 pub struct FileArgs {
     /// Image to write; the name's end says how: .exr .hdr .tif .png .jpg. Can be given often
     /// [default: the scene's name with .exr, in the current directory]
-    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    #[arg(short, long, value_name = "FILE")]
     pub output: Vec<PathBuf>,
     /// Further layers of an EXR
     #[arg(
         long,
         value_name = "LAYERS",
         value_delimiter = ',',
-        default_value = "none",
-        help_heading = "Output"
+        default_value = "none"
     )]
     pub aov: Vec<Aov>,
-    /// Numbers of an EXR: 16 or 32 bits
-    #[arg(
-        long,
-        value_name = "TYPE",
-        default_value = "half",
-        help_heading = "Output"
-    )]
-    pub format: NumberFormat,
-    /// Compression of an EXR; dwaa is lossy
-    #[arg(
-        long,
-        value_name = "NAME",
-        default_value = "zip",
-        help_heading = "Output"
-    )]
-    pub compression: Packing,
-    /// Write an EXR in tiles
-    #[arg(long, help_heading = "Output")]
-    pub tiled: bool,
+    /// How an EXR is written.
+    #[command(flatten)]
+    pub exr: ExrArgs,
     /// Brightness of .png and .jpg, as a power of two [default: the scene's]
-    #[arg(
-        long,
-        value_name = "STOPS",
-        allow_negative_numbers = true,
-        value_parser = values::stops,
-        help_heading = "Output"
-    )]
+    #[arg(long, value_name = "STOPS", value_parser = values::stops, allow_negative_numbers = true)]
     pub exposure: Option<f32>,
     /// Write measurements as JSON
-    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    #[arg(long, value_name = "FILE")]
     pub stats: Option<PathBuf>,
 }
+
+/// How an EXR is written. Large ones are written in tiles.
+#[derive(Args, Debug)]
+pub struct ExrArgs {
+    /// Numbers of an EXR: 16 or 32 bits
+    #[arg(long, value_name = "TYPE", default_value = "half", value_parser = NUMBERS)]
+    pub format: PixelType,
+    /// Compression of an EXR; dwaa is lossy
+    #[arg(long, value_name = "NAME", default_value = "zip", value_parser = PACKINGS)]
+    pub compression: Compression,
+}
+
+const NUMBERS: Choice<PixelType> = choice! {
+    /// 16 bits
+    "half" => PixelType::Half,
+    /// 32 bits
+    "float" => PixelType::Float,
+};
+
+const PACKINGS: Choice<Compression> = choice! {
+    /// Not compressed
+    "none" => Compression::None,
+    /// Deflate, lossless
+    "zip" => Compression::Zip,
+    /// Wavelets, lossless
+    "piz" => Compression::Piz,
+    /// Cosine transform, lossy
+    "dwaa" => Compression::Dwaa,
+};
 
 /// A layer beside the picture.
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,26 +81,4 @@ pub enum Aov {
     All,
     /// The picture alone
     None,
-}
-
-/// Width of an EXR's numbers.
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NumberFormat {
-    /// 16 bits
-    Half,
-    /// 32 bits
-    Float,
-}
-
-/// Compression of an EXR.
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Packing {
-    /// Not compressed
-    None,
-    /// Deflate, lossless
-    Zip,
-    /// Wavelets, lossless
-    Piz,
-    /// Cosine transform, lossy
-    Dwaa,
 }

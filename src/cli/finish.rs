@@ -8,9 +8,9 @@
 //!
 //! SIGUSR1 without checkpoints writes the images so far, and rendering goes on.
 
-use super::args::RenderArgs;
 use super::checkpoint::Checkpoint;
 use super::output::Outputs;
+use super::render_args::RenderArgs;
 use super::{Failure, memory};
 use crate::film::Film;
 use crate::film::layers::Metadata;

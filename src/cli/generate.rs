@@ -3,13 +3,30 @@
 //! Hidden in `--help`: packages want these files once, at build time. Completions are for the
 //! shells that Debian has, under the names that these shells look for.
 
-use super::args::{Cli, GenerateArgs, Manual};
 use super::{Failure, console};
-use clap::{Command, CommandFactory};
+use clap::{Args, Command, ValueEnum};
 use clap_complete::Shell;
 use std::fs;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+/// Arguments of `twintree generate`.
+#[derive(Args, Debug)]
+pub struct GenerateArgs {
+    /// What to write
+    pub what: Manual,
+    /// Directory; made if there is none
+    pub directory: PathBuf,
+}
+
+/// What can be generated.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Manual {
+    /// A man page for the program and one for each subcommand
+    Man,
+    /// Completions for bash, zsh and fish
+    Completions,
+}
 
 /// Shells that get completions.
 const SHELLS: [Shell; 3] = [Shell::Bash, Shell::Zsh, Shell::Fish];
@@ -33,14 +50,15 @@ interrupted, with a checkpoint written: the same command with --resume goes on
 interrupted; the image so far was written if rendering had begun
 "#;
 
-/// Writes the files into the directory, which is made if there is none, and prints their names.
+/// Writes the files about `all` commands into the directory, which is made if there is none, and prints their names.
 ///
 /// # Errors
 /// When the directory cannot be written.
-pub fn run(args: &GenerateArgs) -> Result<(), Failure> {
+pub fn run(args: &GenerateArgs, all: &Command) -> Result<(), Failure> {
+    let shown = shown(all);
     let written = match args.what {
-        Manual::Man => man_pages(&args.directory),
-        Manual::Completions => completions(&args.directory),
+        Manual::Man => man_pages(&shown, &args.directory),
+        Manual::Completions => completions(shown, &args.directory),
     };
     let names = written.map_err(|e| {
         Failure::refused(
@@ -52,8 +70,7 @@ pub fn run(args: &GenerateArgs) -> Result<(), Failure> {
 }
 
 /// The program as `--help` shows it: hidden subcommands are no part of the manual.
-fn shown() -> Command {
-    let all = Cli::command();
+fn shown(all: &Command) -> Command {
     let subcommands = all.get_subcommands().filter(|s| !s.is_hide_set());
     let mut shown = Command::new("twintree")
         .version(env!("CARGO_PKG_VERSION"))
@@ -66,9 +83,8 @@ fn shown() -> Command {
 }
 
 /// One page for the program and one for each subcommand: `twintree-render.1`.
-fn man_pages(directory: &Path) -> io::Result<Vec<String>> {
+fn man_pages(program: &Command, directory: &Path) -> io::Result<Vec<String>> {
     fs::create_dir_all(directory)?;
-    let program = shown();
     let subcommands = program.get_subcommands().cloned();
     let pages = std::iter::once(program.clone()).chain(subcommands);
     pages.map(|command| man_page(command, directory)).collect()
@@ -84,10 +100,10 @@ fn man_page(command: Command, directory: &Path) -> io::Result<String> {
     Ok(name)
 }
 
-fn completions(directory: &Path) -> io::Result<Vec<String>> {
+fn completions(mut shown: Command, directory: &Path) -> io::Result<Vec<String>> {
     fs::create_dir_all(directory)?;
     let write = |shell| {
-        let path = clap_complete::generate_to(shell, &mut shown(), "twintree", directory)?;
+        let path = clap_complete::generate_to(shell, &mut shown, "twintree", directory)?;
         Ok(path
             .file_name()
             .map_or_else(String::new, |n| n.to_string_lossy().into_owned()))

@@ -1,42 +1,28 @@
-//! What `twintree render -h` shows, and how `--help` groups the rest.
+//! What `twintree render -h` shows, and which options belong together.
 
-use clap::{Arg, Command};
+use clap::{Arg, Args, Command};
 
 /// Options of `render` that everybody needs: those of `-h`.
 const ESSENTIAL: [&str; 11] = [
     "output", "quality", "spp", "time", "noise", "width", "height", "exposure", "guide", "seed",
     "resume",
 ];
-/// Options that only research on guiding touches.
-const RESEARCH: [&str; 12] = [
-    "photons",
-    "paths",
-    "train",
-    "batches",
-    "guide_memory",
-    "guide_model",
-    "mixture",
-    "roulette",
-    "reuse",
-    "manifold",
-    "adaptive",
-    "trial",
-];
 
-/// The command line with its options in groups for people.
-pub fn grouped(command: Command) -> Command {
-    command.mut_subcommand("render", |render| render.mut_args(group))
+/// The command line, whose `render -h` is short.
+pub fn abridged(command: Command) -> Command {
+    command.mut_subcommand("render", |render| render.mut_args(shorten))
 }
 
-fn group(arg: Arg) -> Arg {
-    let is_one_of = |ids: &[&str]| ids.contains(&arg.get_id().as_str());
-    let (essential, research) = (is_one_of(&ESSENTIAL), is_one_of(&RESEARCH));
+fn shorten(arg: Arg) -> Arg {
+    let essential = ESSENTIAL.contains(&arg.get_id().as_str());
     let hidden = !essential && !arg.is_positional();
-    let arg = arg.hide_short_help(hidden);
-    match research {
-        true => arg.help_heading("Guiding, for research"),
-        false => arg,
-    }
+    arg.hide_short_help(hidden)
+}
+
+/// The options that a group of arguments has.
+pub fn options_of<A: Args>() -> Vec<Arg> {
+    let alone = A::augment_args(Command::new("group"));
+    alone.get_arguments().cloned().collect()
 }
 
 #[cfg(test)]
@@ -46,15 +32,15 @@ mod tests {
     use clap::CommandFactory;
 
     #[test]
-    fn the_lists_name_options_and_the_short_help_has_only_the_essential_ones() {
-        let command = grouped(Cli::command());
+    fn the_short_help_has_only_the_essential_options_and_those_of_research_come_last() {
+        let command = abridged(Cli::command());
         let render = command.find_subcommand("render").unwrap();
         let ids: Vec<&str> = render
             .get_arguments()
             .map(|a| a.get_id().as_str())
             .collect();
-        for id in ESSENTIAL.iter().chain(&RESEARCH) {
-            assert!(ids.contains(id), "{id}");
+        for id in ESSENTIAL {
+            assert!(ids.contains(&id), "{id}");
         }
         let mut render = render.clone();
         let (short, long) = (render.render_help().to_string(), render.render_long_help());
@@ -62,6 +48,7 @@ mod tests {
         assert!(short.lines().count() < 50, "{short}");
         let long = long.to_string();
         let research = long.split("Guiding, for research:").nth(1).unwrap();
-        assert!(research.contains("--mixture") && !research.contains("--field"));
+        assert!(research.contains("--mixture") && research.contains("--photons"));
+        assert!(!research.contains("--field"));
     }
 }

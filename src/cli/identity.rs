@@ -1,64 +1,49 @@
 //! What makes a render that render and no other: the record of its parts and checkpoints.
 //!
-//! Every setting that can change a bit of a pixel is listed here by the name of its option, so that
-//! the refusal of a part that does not fit can say what differs. Threads, file names, and
-//! everything about how the image is written do not belong here.
+//! Every option of `render` is in it under its name, so that the refusal of a part that does not fit
+//! can say what differs. What shapes no pixel (threads, file names, everything about how the image
+//! is written) says so where it is defined, with `#[serde(skip)]` in
+//! [`RenderArgs`](super::render_args::RenderArgs): an option that nobody thought of is part of the
+//! identity.
 
-use super::args::RenderArgs;
-use super::field_args::Guide;
+use super::guide_args::Guide;
+use super::help::options_of;
+use super::part_args::PartArgs;
+use super::render_args::RenderArgs;
 use super::{Failure, settings};
-use crate::accel::BuildQuality;
 use crate::film::part::{Identity, Origin, Record};
 use crate::film::{Film, FilmDescription, Shard};
-use crate::integrate::PathSettings;
 use crate::integrate::View;
 use crate::integrate::progress::Limits;
 use crate::photon::schedule::Budget;
-use std::fmt::Debug;
+use serde::Serialize;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
 
-/// What a record is made of.
-pub struct Subject<'a> {
-    /// Fingerprint of the scene.
+/// Fingerprints of what a render reads.
+#[derive(Clone, Copy, Debug)]
+pub struct Fingerprints {
+    /// Of the scene.
     pub scene: u64,
-    /// Fingerprint of the field, if it comes from a file.
+    /// Of the field, if it comes from a file.
     pub field: Option<u64>,
-    /// Name of the ray tracer, with its version: two of them round differently.
-    pub accel: String,
-    /// How its trees were built: quality, and whether they are compact.
-    pub trees: (BuildQuality, bool),
-    /// Triangles of the scene.
-    pub triangles: u64,
-    /// The film after all overrides.
-    pub film: &'a FilmDescription,
-    /// How paths are traced.
-    pub path: &'a PathSettings,
 }
 
-impl<'a> Subject<'a> {
-    /// A view of the scene with fingerprint `scene`, whose field is learned anew.
-    pub fn new(view: &View<'a>, scene: u64, triangles: u64) -> Self {
-        let built = view.scene.rays.settings();
-        Self {
-            scene,
-            field: None,
-            accel: view.scene.rays.name(),
-            trees: (built.quality, built.compact),
-            triangles,
-            film: view.film,
-            path: view.settings,
-        }
-    }
-}
-
-/// The record of a render.
-pub fn record(args: &RenderArgs, subject: &Subject, limits: &Limits) -> Record {
-    let film = subject.film;
+/// The record of a render that begins with this view, of so many triangles.
+pub fn record(
+    args: &RenderArgs,
+    view: &View,
+    limits: &Limits,
+    of: Fingerprints,
+    triangles: u64,
+) -> Record {
+    let film = view.film;
     let endless = limits.time.is_some() || limits.noise.is_some();
     Record {
         identity: Identity {
-            scene: subject.scene,
-            field: subject.field,
-            settings: settings(args, subject, limits),
+            scene: of.scene,
+            field: of.field,
+            settings: settings(args, view, limits).into_iter().collect(),
         },
         region: film.crop.unwrap_or([0, 0, film.width, film.height]),
         goal: (!endless).then_some(limits.spp),
@@ -66,10 +51,10 @@ pub fn record(args: &RenderArgs, subject: &Subject, limits: &Limits) -> Record {
         origin: Origin {
             scene: args.scene.title(),
             words: words(),
-            accel: subject.accel.clone(),
+            accel: view.scene.rays.name(),
             seed: args.light.seed,
             exposure: film.exposure,
-            triangles: subject.triangles,
+            triangles,
             threads: super::threads::count(),
             seconds: 0.0,
             rays: 0,
@@ -77,69 +62,77 @@ pub fn record(args: &RenderArgs, subject: &Subject, limits: &Limits) -> Record {
     }
 }
 
-/// Settings that shape pixels, by name.
-fn settings(args: &RenderArgs, subject: &Subject, limits: &Limits) -> Vec<(String, String)> {
-    let (film, path) = (subject.film, subject.path);
-    let mut list = Vec::new();
-    let mut add = |name: &str, value: &dyn Debug| list.push((name.into(), format!("{value:?}")));
-    add(
-        "the program",
-        &format_args!("twintree {}", env!("CARGO_PKG_VERSION")),
-    );
-    add("the ray tracer", &subject.accel);
-    add("--width", &film.width);
-    add("--height", &film.height);
-    add("--crop", &film.crop);
-    add("--rfilter", &film.filter);
-    add("--max-depth", &path.max_depth);
-    add("--rr-depth", &path.rr_depth);
-    add("--robust", &args.rays.robust);
-    add("--hide-emitters", &path.hide_emitters);
-    add("--strict-normals", &path.strict_normals);
-    add("--sampler", &path.sampler);
-    add("--seed", &path.seed);
-    // Trees built otherwise round their hits otherwise.
-    add("--accel-build", &subject.trees);
-    // Textures beyond the budget take their coarser levels from the file: not the same texels.
-    add("--texture-memory", &args.scene.texture_memory);
-    add("--half-textures", &args.scene.half_textures);
+/// Settings that shape pixels, by the names of their options.
+pub fn settings(args: &RenderArgs, view: &View, limits: &Limits) -> BTreeMap<String, String> {
+    let mut settings = options(args);
+    let guide = &args.guide;
+    let guides = guide.way() != Guide::None;
     // A field from a file has its own fingerprint, whatever it was learned with.
-    if subject.field.is_some() {
-        add("--guide", &Guide::Double);
-        add("--mixture", &args.guide.mixture.0);
-        add("--roulette", &args.guide.roulette);
-        add("--reuse", &args.guide.reuse);
-        add("--manifold", &args.guide.manifold);
-        return list;
+    let learns = guides && guide.field.is_none();
+    let mut forget =
+        |options: BTreeMap<_, _>| settings.retain(|name, _| !options.contains_key(name));
+    if !guides {
+        forget(options(&guide.guided));
     }
-    let (guide, learn) = (args.guide.way(), &args.guide.learn);
-    add("--guide", &guide);
-    if guide != Guide::None {
-        match settings::photons_for(learn, film, limits) {
-            Budget::Exactly { photons, .. } => add("--photons", &photons),
-            Budget::AsNeeded { samples, time } => {
-                // What a clock decides is not the same twice in any case.
-                let samples = time.is_none().then_some(samples);
-                add("--photons, for samples of the image", &samples);
-            }
-        }
-        add("--paths", &learn.paths);
-        add("--train", &learn.train);
-        add("--batches", &learn.batches);
-        add("--guide-memory", &learn.guide_memory);
-        add("--guide-model", &learn.guide_model);
-        add("--mixture", &args.guide.mixture.0);
-        add("--roulette", &args.guide.roulette);
-        add("--reuse", &args.guide.reuse);
-        add("--manifold", &args.guide.manifold);
-        add("--adaptive", &args.guide.adaptive);
-        add("--trial", &args.guide.trial);
+    if !learns {
+        forget(options(&guide.learn));
     }
-    list
+    settings.extend(options(&in_effect(args, view)));
+    if let (true, Budget::AsNeeded { samples, time }) = (
+        learns,
+        settings::photons_for(&guide.learn, view.film, limits),
+    ) {
+        // What a clock decides is not the same twice in any case.
+        let samples = time.map_or(samples.to_string(), |_| "any".into());
+        settings.insert("--photons, for samples of the image".into(), samples);
+    }
+    let program = format!("twintree {}", env!("CARGO_PKG_VERSION"));
+    settings.insert("the program".into(), program);
+    // With its version: two of them round differently.
+    settings.insert("the ray tracer".into(), view.scene.rays.name());
+    settings
+}
+
+/// What options come to that are not all there is to say: a scene of some width is as good as
+/// `--width`.
+fn in_effect(args: &RenderArgs, view: &View) -> Value {
+    let (film, path, built) = (view.film, view.settings, view.scene.rays.settings());
+    json!({
+        "width": film.width,
+        "height": film.height,
+        "crop": film.crop,
+        "rfilter": format!("{:?}", film.filter),
+        "max_depth": path.max_depth,
+        "rr_depth": path.rr_depth,
+        "hide_emitters": path.hide_emitters,
+        "strict_normals": path.strict_normals,
+        "sampler": path.sampler,
+        "guide": format!("{:?}", args.guide.way()),
+        "accel": built.robust.then_some("robust"),
+        // Trees built otherwise round their hits otherwise.
+        "accel_build": format!("{:?}", (built.quality, built.compact)),
+    })
+}
+
+/// Options with their values as text; without those that have none.
+fn options(of: &impl Serialize) -> BTreeMap<String, String> {
+    let Ok(Value::Object(fields)) = serde_json::to_value(of) else {
+        return BTreeMap::new();
+    };
+    let option = |(name, value): (String, Value)| {
+        let text = match value {
+            Value::Null => return None,
+            Value::String(text) => text,
+            other => other.to_string(),
+        };
+        Some((format!("--{}", name.replace('_', "-")), text))
+    };
+    fields.into_iter().filter_map(option).collect()
 }
 
 /// The command line, without what makes this part differ from the others.
 fn words() -> String {
+    let own = options_of::<PartArgs>();
     let mut kept: Vec<String> = Vec::new();
     let mut skip = false;
     for word in std::env::args_os().skip(1) {
@@ -147,11 +140,10 @@ fn words() -> String {
         if std::mem::take(&mut skip) {
             continue;
         }
-        let own = ["--shard", "--checkpoint"];
-        skip = own.contains(&&*word);
-        let joined = own.iter().any(|o| word.starts_with(&format!("{o}=")));
-        if !(skip || joined || word == "--resume") {
-            kept.push(word.into_owned());
+        let name = word.strip_prefix("--").map(|w| w.split('=').next());
+        match own.iter().find(|arg| name == Some(arg.get_long())) {
+            Some(arg) => skip = arg.get_action().takes_values() && !word.contains('='),
+            None => kept.push(word.into_owned()),
         }
     }
     kept.join(" ")

@@ -1,45 +1,53 @@
 //! Options that were typed and change nothing: said, for who types one means something by it.
 
-use super::args::RenderArgs;
-use super::field_args::{FieldArgs, Guide, LearnArgs, Teachers, TrainArgs};
-use super::file_args::{Aov, FileArgs};
-use super::part_args::MergeArgs;
+use super::args::Command;
+use super::field::{FieldArgs, ProbeArgs};
+use super::file_args::{Aov, ExrArgs, FileArgs};
+use super::guide_args::{Guide, GuidedArgs, LearnArgs, Teachers};
+use super::help::options_of;
+use super::picture_args::SizeArgs;
+use super::render_args::RenderArgs;
+use super::scene_args::ReadArgs;
+use super::train::TrainArgs;
 use crate::image::Format;
-use clap::ArgMatches;
 use clap::parser::ValueSource;
+use clap::{ArgMatches, Args};
 
 /// What was typed of a subcommand.
 pub struct Typed<'a>(pub &'a ArgMatches);
-
-/// Options by the names of their fields.
-type Names<'a> = &'a [&'a str];
-
-const SHAPE_OF_EXR: Names = &["format", "compression", "tiled"];
-const GUIDED: Names = &["mixture", "roulette", "reuse", "manifold", "adaptive"];
-const LEARNED: Names = &[
-    "photons",
-    "paths",
-    "train",
-    "batches",
-    "guide_memory",
-    "guide_model",
-];
 
 impl Typed<'_> {
     fn is(&self, name: &str) -> bool {
         self.0.value_source(name) == Some(ValueSource::CommandLine)
     }
 
-    /// A sentence for each of the options that was typed.
-    fn without_effect(&self, names: Names, why: &str) -> Vec<String> {
+    /// A sentence for each of a group's options that was typed.
+    fn group_without_effect<A: Args>(&self, why: &str) -> Vec<String> {
+        let options = options_of::<A>();
+        let names: Vec<_> = options.iter().map(|arg| arg.get_id().as_str()).collect();
+        self.without_effect(&names, why)
+    }
+
+    /// A sentence for each of the options that was typed, by the names of their fields.
+    fn without_effect(&self, names: &[&str], why: &str) -> Vec<String> {
         let typed = names.iter().filter(|name| self.is(name));
         typed
             .map(|name| format!("--{} has no effect: {why}", name.replace('_', "-")))
             .collect()
     }
 
-    /// Of a render.
-    pub fn of_render(&self, args: &RenderArgs) -> Vec<String> {
+    /// Of a command.
+    pub fn of(&self, command: &Command) -> Vec<String> {
+        match command {
+            Command::Render(args) => self.of_render(args),
+            Command::Merge(args) => self.of_files(&args.files),
+            Command::Train(args) => self.of_train(args),
+            Command::Field(args) => self.of_field(args),
+            _ => Vec::new(),
+        }
+    }
+
+    fn of_render(&self, args: &RenderArgs) -> Vec<String> {
         if args.doubt.pixel.is_some() {
             let names = ["output", "stats", "reference", "preview", "checkpoint"];
             let mut list = self.without_effect(&names, "with --pixel nothing is written");
@@ -48,18 +56,15 @@ impl Typed<'_> {
         }
         let mut list = match args.parts.shard {
             Some(_) => {
-                let names = [SHAPE_OF_EXR, &["aov"]].concat();
-                self.without_effect(&names, "a part keeps all; give it to \"twintree merge\"")
+                let why = "a part keeps all; give it to \"twintree merge\"";
+                let mut list = self.group_without_effect::<ExrArgs>(why);
+                list.extend(self.without_effect(&["aov"], why));
+                list
             }
             None => self.of_files(&args.files),
         };
         list.extend(self.of_guide(args));
         list
-    }
-
-    /// Of a merge.
-    pub fn of_merge(&self, args: &MergeArgs) -> Vec<String> {
-        self.of_files(&args.files)
     }
 
     /// Of what is written and how.
@@ -76,7 +81,7 @@ impl Typed<'_> {
             list.extend(self.without_effect(&["aov"], "none of the outputs is an .exr"));
         }
         if !has_exr {
-            list.extend(self.without_effect(SHAPE_OF_EXR, "none of the outputs is an .exr"));
+            list.extend(self.group_without_effect::<ExrArgs>("none of the outputs is an .exr"));
         }
         let is_shown = |f: &Result<Format, _>| matches!(f, Ok(Format::Png | Format::Jpeg));
         if !formats.iter().any(is_shown) {
@@ -92,8 +97,10 @@ impl Typed<'_> {
         let guide = &args.guide;
         match guide.way() {
             Guide::None => {
-                let names = [GUIDED, LEARNED].concat();
-                self.without_effect(&names, "no field guides; --guide double learns one")
+                let why = "no field guides; --guide double learns one";
+                let mut list = self.group_without_effect::<GuidedArgs>(why);
+                list.extend(self.group_without_effect::<LearnArgs>(why));
+                list
             }
             Guide::Gmm => {
                 let names = ["mixture", "manifold", "adaptive", "paths"];
@@ -101,7 +108,7 @@ impl Typed<'_> {
             }
             Guide::Double if guide.field.is_some() => {
                 let why = "a field that was learned before is not taught by the first samples";
-                self.without_effect(&["adaptive"], why)
+                self.without_effect(&["adaptive", "trial"], why)
             }
             Guide::Double => {
                 let mut list = self.of_learning(&guide.learn);
@@ -123,7 +130,7 @@ impl Typed<'_> {
     }
 
     /// Of learning without an image.
-    pub fn of_train(&self, args: &TrainArgs) -> Vec<String> {
+    fn of_train(&self, args: &TrainArgs) -> Vec<String> {
         let mut list = self.of_learning(&args.learn);
         let names = ["sampler", "hide_emitters"];
         list.extend(self.without_effect(&names, "it shapes an image, and none is made"));
@@ -131,15 +138,15 @@ impl Typed<'_> {
     }
 
     /// Of looking at a field.
-    pub fn of_field(&self, args: &FieldArgs) -> Vec<String> {
+    fn of_field(&self, args: &FieldArgs) -> Vec<String> {
         let mut list = Vec::new();
         if args.pixel.is_none() {
-            let names = ["max_depth", "seed", "rows", "spp", "direct", "exposure"];
-            list.extend(self.without_effect(&names, "it is for the picture of --pixel"));
+            list.extend(self.group_without_effect::<ProbeArgs>("it is for the picture of --pixel"));
         }
         if args.scene.is_none() {
-            let names = ["define", "lenient", "any_scene", "width", "height"];
-            list.extend(self.without_effect(&names, "no --scene is given"));
+            let why = "no --scene is given";
+            list.extend(self.group_without_effect::<ReadArgs>(why));
+            list.extend(self.group_without_effect::<SizeArgs>(why));
         } else if args.pixel.is_none() && args.tree.is_none() {
             let why = "nothing is drawn; --pixel and --tree do";
             list.extend(self.without_effect(&["scene"], why));
@@ -150,7 +157,7 @@ impl Typed<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::args::{Cli, Command};
+    use super::super::args::Cli;
     use super::*;
     use clap::{CommandFactory, FromArgMatches};
 
@@ -160,13 +167,7 @@ mod tests {
         let matches = Cli::command().try_get_matches_from(line.split_whitespace());
         let matches = matches.unwrap();
         let typed = Typed(matches.subcommand().unwrap().1);
-        let list = match &Cli::from_arg_matches(&matches).unwrap().command {
-            Command::Render(args) => typed.of_render(args),
-            Command::Merge(args) => typed.of_merge(args),
-            Command::Train(args) => typed.of_train(args),
-            Command::Field(args) => typed.of_field(args),
-            _ => panic!("another command"),
-        };
+        let list = typed.of(&Cli::from_arg_matches(&matches).unwrap().command);
         let first = |s: &String| s.split(' ').next().unwrap().to_owned();
         list.iter().map(first).collect()
     }
@@ -185,12 +186,12 @@ mod tests {
                 "--mixture --paths",
             ),
             (
-                "render a.xml --guide none --reuse 1 --guide-memory 64M",
-                "--reuse --guide-memory",
+                "render a.xml --guide none --reuse 1 --trial never --guide-memory 64M",
+                "--reuse --trial --guide-memory",
             ),
             (
-                "render a.xml --aov albedo --tiled -o a.png",
-                "--aov --tiled",
+                "render a.xml --aov albedo --compression piz -o a.png",
+                "--aov --compression",
             ),
             ("render a.xml --format float -o a.hdr", "--format"),
             ("render a.xml --exposure 1", "--exposure"),

@@ -1,10 +1,22 @@
 //! `twintree info`: what is in a scene.
 
-use super::args::InfoArgs;
 use super::load::{self, Input};
+use super::scene_args::SceneArgs;
 use super::{Failure, console};
 use crate::report::left_out::left_out;
 use crate::report::scene::SceneReport;
+use clap::Args;
+
+/// Arguments of `twintree info`.
+#[derive(Args, Debug)]
+pub struct InfoArgs {
+    /// Scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
 
 /// Loads the scene and prints what is in it.
 ///

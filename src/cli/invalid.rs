@@ -1,7 +1,8 @@
 //! Samples and photons that were not finite: said, with the command that shows the first one again.
 
 use super::Failure;
-use super::args::RenderArgs;
+use super::farm::quote;
+use super::render_args::RenderArgs;
 use crate::film::Film;
 
 /// What was left out of an image and of the field that guided it.
@@ -28,19 +29,10 @@ pub fn warn(film: &Film) {
 /// The command that was typed, with the words that trace one sample. Files are not written then.
 fn command_for(x: u32, y: u32, sample: u64) -> String {
     let mut words: Vec<String> = std::env::args_os()
-        .map(|word| quoted(&word.to_string_lossy()))
+        .map(|word| quote(&word.to_string_lossy()))
         .collect();
-    words.push(format!("--pixel {x},{y} --sample {sample}"));
+    words.push(format!("--pixel {x},{y},{sample}"));
     words.join(" ")
-}
-
-/// A word as a POSIX shell reads it back.
-fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_=+./,:%@".contains(c);
-    if !word.is_empty() && word.chars().all(plain) {
-        return word.to_owned();
-    }
-    format!("'{}'", word.replace('\'', r"'\''"))
 }
 
 /// With `--strict`, an error if anything was left out.
@@ -55,23 +47,4 @@ pub fn check(args: &RenderArgs, left_out: LeftOut) -> Result<(), Failure> {
     Err(Failure::Invalid(format!(
         "{samples} samples and {photons} photons were not finite, and --strict was given"
     )))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::quoted;
-
-    #[test]
-    fn words_survive_a_shell() {
-        for (word, expected) in [
-            ("scene.xml", "scene.xml"),
-            ("-D", "-D"),
-            ("", "''"),
-            ("two words", "'two words'"),
-            ("it's", r"'it'\''s'"),
-            ("$HOME", "'$HOME'"),
-        ] {
-            assert_eq!(quoted(word), expected);
-        }
-    }
 }

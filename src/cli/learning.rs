@@ -1,10 +1,9 @@
 //! Learned fields, as the commands share them: learning one, reading one, and what is said about
 //! it.
 
-use super::field_args::{Guide as Way, GuideArgs, GuideModel, LearnArgs, Teachers, Trial};
-use super::{Failure, settings};
+use super::guide_args::{FieldName, Guide as Way, GuideArgs, LearnArgs, MODEL, Teachers, When};
+use super::{Failure, output, settings};
 use crate::guide::FieldFile;
-use crate::image::atomic;
 use crate::integrate::View;
 use crate::integrate::guiding::{Guidance, Guide};
 use crate::integrate::manifold::{ManifoldSampling, find_chains};
@@ -28,6 +27,8 @@ pub struct Opened {
     pub file: FieldFile,
     /// A number that tells it from others.
     pub fingerprint: u64,
+    /// Whether it may be of another scene.
+    any_scene: bool,
 }
 
 impl Opened {
@@ -44,23 +45,35 @@ impl Opened {
             path: path.to_owned(),
             file,
             fingerprint: xxh3_64(&bytes),
+            any_scene: false,
         })
     }
 
-    /// Refuses a field of another scene; with `any_scene` it only warns.
+    /// The same, of a field that may be of any scene if its name says so.
+    ///
+    /// # Errors
+    /// As [`Opened::read`].
+    pub fn named(name: &FieldName) -> Result<Self, Failure> {
+        Ok(Self {
+            any_scene: name.any_scene,
+            ..Self::read(&name.path)?
+        })
+    }
+
+    /// Refuses a field of another scene; one that may be of any scene is only warned about.
     ///
     /// # Errors
     /// When it is of another scene.
-    pub fn check(&self, scene: u64, any_scene: bool) -> Result<(), Failure> {
+    pub fn check(&self, scene: u64) -> Result<(), Failure> {
         let Err(why) = check_scene(self.file.trainer.settings(), scene) else {
             return Ok(());
         };
         let message = format!("{}: {why}", self.path.display());
-        if any_scene {
+        if self.any_scene {
             tracing::warn!("{message}");
             return Ok(());
         }
-        let help = "learn one with \"twintree train\", or take it all the same with --any-scene";
+        let help = "learn one with \"twintree train\", or take it all the same as any:FILE";
         Err(Failure::wrong(message, help))
     }
 }
@@ -70,7 +83,7 @@ impl Opened {
 /// # Errors
 /// When it cannot be used, or guiding is switched off beside it.
 pub fn wanted_file(args: &GuideArgs) -> Result<Option<Opened>, Failure> {
-    let Some(path) = &args.field else {
+    let Some(name) = &args.field else {
         return Ok(None);
     };
     if args.guide == Some(Way::None) {
@@ -86,7 +99,7 @@ pub fn wanted_file(args: &GuideArgs) -> Result<Option<Opened>, Failure> {
         let help = "leave --field away: the mixtures are learned before rendering";
         return Err(Failure::wrong(message, help));
     }
-    Opened::read(path).map(Some)
+    Opened::named(name).map(Some)
 }
 
 /// What guides a render: a field that was kept, one that is learned on the way, or nothing.
@@ -135,7 +148,7 @@ pub fn guiding(
     limits: &Limits,
 ) -> Result<Guiding, Failure> {
     if let Some(opened) = opened {
-        let mut guide = to_guide(&opened.file).with_mixture(args.mixture.0);
+        let mut guide = to_guide(&opened.file).with_mixture(args.guided.mixture.0);
         // The same chains for any number of samples: a render that is resumed may ask for more.
         let chains = find_chains(view, settings::photons_alone(&args.learn));
         guide.manifold = chains.map(ManifoldSampling::new);
@@ -163,8 +176,8 @@ pub fn guiding(
         _ => settings::photons_for(&args.learn, view.film, limits),
     };
     let mut settings = settings::learn_settings(&args.learn, view.settings, photons)?;
-    settings.mixture = args.mixture.0;
-    settings.trial = args.trial == Trial::Auto;
+    settings.mixture = args.guided.mixture.0;
+    settings.trial = args.guided.trial == When::Auto;
     if view.scene.lights.is_empty() {
         return Ok(Guiding::default());
     }
@@ -200,7 +213,7 @@ fn mixtures(args: &GuideArgs, view: &View, settings: &LearnSettings) -> Result<G
         let help = "leave \"--train paths\" away, and give --photons a number above 0";
         return Err(Failure::wrong(message, help));
     }
-    if args.learn.guide_model != GuideModel::default() {
+    if args.learn.guide_model != MODEL {
         let message = "--guide gmm has a model of its own";
         let help = "leave --guide-model away, or take --guide double";
         return Err(Failure::wrong(message, help));
@@ -311,10 +324,7 @@ pub fn records(file: &FieldFile) -> String {
 /// When the system refuses.
 pub fn write(path: &Path, file: &FieldFile) -> Result<(), Failure> {
     let bytes = file.to_bytes();
-    atomic::replace(path, |new| {
-        std::fs::write(new, &bytes).map_err(|e| e.to_string())
-    })
-    .map_err(|e| Failure::Refused(e.to_string()))?;
+    output::write_file(path, &bytes)?;
     tracing::info!(
         "wrote {}: {}, {}",
         path.display(),

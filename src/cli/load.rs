@@ -1,11 +1,10 @@
 //! From the command line's scene to a description, for every subcommand alike.
 
-use super::picture_args::PictureArgs;
-use super::ray_args::{Accel, AccelBuild, RayArgs};
+use super::picture_args::SizeArgs;
+use super::ray_args::{AccelBuild, RayArgs};
 use super::scene_args::{SceneArgs, StudioArgs, UpAxis};
-use super::values::Definition;
 use super::{Failure, budget, memory, threads};
-use crate::accel::{Backend, BuildQuality, BuildSettings};
+use crate::accel::{BuildQuality, BuildSettings};
 use crate::image::decoded::DecodeLimit;
 use crate::image::foreign;
 use crate::light::{Emitter, EnvironmentImage, Lights};
@@ -72,17 +71,13 @@ impl Loaded {
     pub fn build(&mut self, rays: &RayArgs) -> Result<Scene, Failure> {
         let start = Instant::now();
         let way = rays.accel_build;
-        let backend = match rays.accel {
-            None => Backend::default(),
-            Some(Accel::Embree) => Backend::Embree,
-            Some(Accel::Obvhs) => Backend::Obvhs,
-        };
+        let tracer = rays.accel.unwrap_or_default();
         let load = budget::Load {
             triangles: triangles(&self.description),
             instances: self.description.instances.len() as u64,
         };
         let available = memory::available_bytes();
-        let chosen = budget::choose(way, backend, load, available)?;
+        let chosen = budget::choose(way, tracer.backend, load, available)?;
         if chosen == AccelBuild::Compact && way.is_none() {
             tracing::info!("memory is short: the ray tracer's trees are built small");
         }
@@ -93,11 +88,11 @@ impl Loaded {
                 AccelBuild::High => BuildQuality::High,
             },
             compact: chosen == AccelBuild::Compact,
-            robust: rays.robust || watertight_edges(&self.description).on,
+            robust: tracer.robust || watertight_edges(&self.description).on,
             threads: threads::count(),
             memory: available.map_or(0, |bytes| usize::try_from(bytes).unwrap_or(0)),
         };
-        let scene = Scene::build(&mut self.description, settings, backend)?;
+        let scene = Scene::build(&mut self.description, settings, tracer.backend)?;
         tracing::debug!(
             "{} holds {}, built in {}",
             scene.rays.name(),
@@ -183,30 +178,6 @@ impl Input {
     }
 }
 
-/// Texels that are held where nobody says how many.
-const TEXTURE_MEMORY: usize = 2 << 30;
-
-impl SceneArgs {
-    /// A scene of a name, for commands that take a scene by an option.
-    pub fn of(scene: &Path, define: &[Definition], lenient: bool) -> Self {
-        Self {
-            files: vec![scene.into()],
-            studio: StudioArgs::default(),
-            define: define.to_vec(),
-            lenient,
-            texture_memory: TEXTURE_MEMORY,
-            limit_decoded: DecodeLimit::default().bytes as usize,
-            half_textures: false,
-        }
-    }
-
-    /// What was asked for, in the words of who asked.
-    pub fn title(&self) -> String {
-        let words: Vec<_> = self.files.iter().map(|f| f.to_string_lossy()).collect();
-        words.join(" ")
-    }
-}
-
 /// A scene has its own camera and light.
 fn check_no_studio(args: &StudioArgs, scene: &Path) -> Result<(), Failure> {
     let options = [
@@ -229,7 +200,7 @@ fn check_no_studio(args: &StudioArgs, scene: &Path) -> Result<(), Failure> {
 }
 
 fn check_no_defines(args: &SceneArgs) -> Result<(), Failure> {
-    match args.define.first() {
+    match args.read.define.first() {
         None => Ok(()),
         Some(first) => Err(Failure::wrong(
             format!("-D {}: models have no keys to define", first.name),
@@ -242,11 +213,7 @@ fn check_no_defines(args: &SceneArgs) -> Result<(), Failure> {
 ///
 /// # Errors
 /// When the scene, or a file that it names, cannot be used.
-pub fn load(
-    args: &SceneArgs,
-    input: &Input,
-    picture: Option<&PictureArgs>,
-) -> Result<Loaded, Failure> {
+pub fn load(args: &SceneArgs, input: &Input, picture: Option<SizeArgs>) -> Result<Loaded, Failure> {
     load_in(args, input, &args.studio, picture)
 }
 
@@ -267,17 +234,18 @@ fn load_in(
     args: &SceneArgs,
     input: &Input,
     studio: &StudioArgs,
-    picture: Option<&PictureArgs>,
+    picture: Option<SizeArgs>,
 ) -> Result<Loaded, Failure> {
     let decode = DecodeLimit {
         bytes: args.limit_decoded as u64,
     };
-    let textures = TextureStore::new(args.texture_memory).with_limit(decode);
-    let textures = Arc::new(textures.in_halves(args.half_textures));
+    let textures = TextureStore::new(args.texture_memory.bytes).with_limit(decode);
+    let textures = Arc::new(textures.in_halves(args.texture_memory.half));
     let mut options = ImportOptions::new(textures.clone());
     options.decode = decode;
-    options.lenient = args.lenient;
+    options.lenient = args.read.lenient;
     options.defines = args
+        .read
         .define
         .iter()
         .map(|d| (d.name.clone(), d.value.clone()))
@@ -344,7 +312,7 @@ fn load_models(
     sources: &[ModelSource],
     args: &StudioArgs,
     options: &ImportOptions,
-    picture: Option<&PictureArgs>,
+    picture: Option<SizeArgs>,
 ) -> Result<Description, Failure> {
     let z_up = args.up == UpAxis::Z;
     if let Some(path) = args.envmap.as_ref().filter(|p| !p.exists()) {

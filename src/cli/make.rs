@@ -1,10 +1,53 @@
 //! `twintree make`: meshes to render.
 
-use super::scene_args::{MakeArgs, MakeCommand, MakeMeshArgs, MeshShape};
-use super::{Failure, console};
+use super::choice::{Choice, choice};
+use super::{Failure, console, values};
 use crate::image::atomic;
 use crate::make::{Kind, Pattern, write_ply};
 use crate::report::words;
+use clap::{Args, Subcommand};
+use std::path::PathBuf;
+
+/// Arguments of `twintree make`.
+#[derive(Args, Debug)]
+pub struct MakeArgs {
+    /// What to make.
+    #[command(subcommand)]
+    pub what: MakeCommand,
+}
+
+/// What can be made.
+#[derive(Subcommand, Debug)]
+pub enum MakeCommand {
+    /// Write a mesh of any size as binary PLY, always the same for the same words
+    Mesh(MakeMeshArgs),
+}
+
+/// Arguments of `twintree make mesh`.
+#[derive(Args, Debug)]
+pub struct MakeMeshArgs {
+    /// Shape
+    #[arg(long, value_name = "SHAPE", value_parser = SHAPES)]
+    pub kind: Kind,
+    /// Triangles, such as 20k, 5M or 1G; the mesh comes as near to it as its shape allows
+    #[arg(long, value_name = "N", default_value = "1M", value_parser = values::amount)]
+    pub triangles: u64,
+    /// File to write
+    #[arg(short, long, value_name = "FILE.ply")]
+    pub output: PathBuf,
+}
+
+/// Shapes that can be made.
+pub const SHAPES: Choice<Kind> = choice! {
+    /// Mountains
+    "terrain" => Kind::Terrain,
+    /// A wall along Heighway's dragon curve
+    "dragon-curve" => Kind::DragonCurve,
+    /// Spheres on spheres
+    "sphere-flake" => Kind::SphereFlake,
+    /// A tube tied to a knot
+    "torus-knot" => Kind::TorusKnot,
+};
 
 /// Makes what is asked for.
 ///
@@ -25,7 +68,7 @@ fn mesh(args: &MakeMeshArgs) -> Result<(), Failure> {
         let message = format!("{} does not end with .ply", args.output.display());
         return Err(Failure::wrong(message, "meshes are written as PLY"));
     }
-    let pattern = Pattern::new(kind_of(args.kind), args.triangles);
+    let pattern = Pattern::new(args.kind, args.triangles);
     check_size(&pattern)?;
     atomic::replace(&args.output, |file| {
         write_ply(&pattern, file).map_err(|e| e.to_string())
@@ -37,16 +80,6 @@ fn mesh(args: &MakeMeshArgs) -> Result<(), Failure> {
         words::count(pattern.triangles() as f64),
         words::count(pattern.vertices() as f64)
     ))
-}
-
-/// The shape that a word names.
-pub fn kind_of(shape: MeshShape) -> Kind {
-    match shape {
-        MeshShape::Terrain => Kind::Terrain,
-        MeshShape::DragonCurve => Kind::DragonCurve,
-        MeshShape::SphereFlake => Kind::SphereFlake,
-        MeshShape::TorusKnot => Kind::TorusKnot,
-    }
 }
 
 /// Refuses what 32 bits cannot number.

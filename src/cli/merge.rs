@@ -4,16 +4,31 @@
 //! matter. They are read one after the other: the film is in memory once.
 
 use super::Failure;
+use super::file_args::FileArgs;
 use super::output::Outputs;
-use super::part_args::MergeArgs;
 use super::{memory, settings};
 use crate::film::Film;
 use crate::film::layers::Metadata;
 use crate::film::part::{PartReader, Record};
 use crate::film::shard::Deal;
 use crate::report::stats::Stats;
+use clap::Args;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+
+/// Arguments of `twintree merge`.
+#[derive(Args, Debug)]
+pub struct MergeArgs {
+    /// Part files, in any order; checkpoints too, with --partial
+    #[arg(required = true)]
+    pub parts: Vec<PathBuf>,
+    /// Files.
+    #[command(flatten)]
+    pub files: FileArgs,
+    /// Write what there is: what is missing stays black
+    #[arg(long)]
+    pub partial: bool,
+}
 
 /// A part's name and record.
 type Known = (PathBuf, Record);
@@ -191,6 +206,10 @@ fn measure(parts: &[Known], film: &Film, partial: bool) -> Stats {
     let first = origins().next().cloned().unwrap_or_default();
     let seconds: f64 = origins().map(|o| o.seconds).sum();
     let rays: u64 = origins().map(|o| o.rays).sum();
+    let settings = parts
+        .first()
+        .map(|(_, record)| record.identity.settings.clone());
+    let settings = settings.unwrap_or_default().into_iter().collect();
     let noise = film.noise();
     let samples = film.held().flat_map(|t| &t.pixels).map(|p| p.count).sum();
     // Parts of no time at all have no rate to speak of, and must not divide by zero.
@@ -201,6 +220,7 @@ fn measure(parts: &[Known], film: &Film, partial: bool) -> Stats {
         width: film.width(),
         height: film.height(),
         seed: first.seed,
+        settings,
         threads: origins().map(|o| o.threads).sum(),
         accel: first.accel,
         stopped_by: if partial { "interrupt" } else { "samples" },
@@ -213,21 +233,9 @@ fn measure(parts: &[Known], film: &Film, partial: bool) -> Stats {
         noise_error: noise.map(|n| n.error),
         noise_worst: noise.map(|n| n.worst),
         invalid_samples: film.invalid_samples(),
-        load_seconds: 0.0,
-        build_seconds: 0.0,
-        train_seconds: 0.0,
-        field_memory_bytes: 0,
-        learning_memory_bytes: 0,
         render_seconds: seconds,
-        write_seconds: 0.0,
-        peak_memory_bytes: None,
-        accel_memory_bytes: 0,
-        texture_memory_bytes: 0,
         triangles: first.triangles,
-        reference: None,
-        errors: Vec::new(),
-        field: None,
-        trial: None,
-        warnings: Vec::new(),
+        // The parts do not tell what loading, building and learning took.
+        ..Stats::default()
     }
 }

@@ -1,9 +1,24 @@
 //! `twintree merge-fields`: adds fields that were learned over one structure from different
 //! records.
 
-use super::field_args::MergeFieldsArgs;
 use super::learning::{self, Opened};
 use super::{Failure, targets};
+use clap::Args;
+use std::path::PathBuf;
+
+/// Arguments of `twintree merge-fields`.
+#[derive(Args, Debug)]
+pub struct MergeFieldsArgs {
+    /// Fields that were learned over one structure from different records, in any order
+    #[arg(required = true)]
+    pub fields: Vec<PathBuf>,
+    /// File to write
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Add what there is, even if records are missing
+    #[arg(long)]
+    pub partial: bool,
+}
 
 /// Adds and writes.
 ///

@@ -1,7 +1,7 @@
 //! The command line: one file a subcommand, and what they share.
 //!
-//! [`args`] says what can be typed and is the manual (`--help`), [`values`] reads the words with a
-//! grammar of their own (`1h30m`, `512M`), [`failure`] decides exit codes. Everything a person
+//! [`args`] says what can be typed and is the manual (`--help`), [`values`] reads numbers with units
+//! (`1h30m`, `512M`) and [`choice`] words that stand for a value, [`failure`] decides exit codes. Everything a person
 //! reads goes to standard error through [`console`]; standard output carries only what was asked
 //! for.
 
@@ -10,16 +10,17 @@ pub mod bench;
 pub mod budget;
 pub mod check;
 pub mod checkpoint;
+pub mod choice;
 pub mod compare;
 pub mod console;
 pub mod error_track;
 pub mod failure;
 pub mod farm;
 pub mod field;
-pub mod field_args;
 pub mod file_args;
 pub mod finish;
 pub mod generate;
+pub mod guide_args;
 pub mod help;
 pub mod identity;
 pub mod idle;
@@ -30,7 +31,6 @@ pub mod learning;
 pub mod light_args;
 pub mod load;
 pub mod make;
-pub mod measure_args;
 pub mod memory;
 pub mod merge;
 pub mod merge_fields;
@@ -42,11 +42,11 @@ pub mod progress;
 pub mod quality;
 pub mod ray_args;
 pub mod render;
+pub mod render_args;
 pub mod scene_args;
 pub mod settings;
 pub mod single;
 pub mod sweep;
-pub mod sweep_args;
 pub mod table1;
 pub mod targets;
 pub mod threads;
@@ -59,6 +59,7 @@ pub use args::Cli;
 pub use failure::Failure;
 
 use args::Command;
+use clap::CommandFactory;
 
 impl Cli {
     /// Does what the command line asks for.
@@ -86,7 +87,7 @@ impl Cli {
             Command::Table1(args) => table1::run(args),
             Command::Sweep(args) => sweep::run(args, self.threads, (&console, &interrupt)),
             Command::Bench(what) => bench::run(what),
-            Command::Generate(args) => generate::run(args),
+            Command::Generate(args) => generate::run(args, &Cli::command()),
         }
     }
 }

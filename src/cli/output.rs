@@ -1,16 +1,19 @@
 //! The files that a render writes: tried before the work, written after it.
 
 use super::Failure;
-use super::args::RenderArgs;
 use super::checkpoint::Checkpoint;
-use super::file_args::{self, Aov, FileArgs, NumberFormat};
+use super::file_args::{Aov, FileArgs};
 use super::load::Input;
+use super::render_args::RenderArgs;
 use super::targets::{Named, check_distinct, named, try_target};
 use crate::film::layers::{Layers, Metadata};
 use crate::film::part::{self, Packing, PartReader, Record};
 use crate::film::{Film, Shard};
-use crate::image::{self, Compression, Format, Image, PixelType, WriteOptions, atomic};
+use crate::image::{self, Compression, Format, Image, WriteOptions, atomic};
 use std::path::{Path, PathBuf};
+
+/// Pixels of an image that viewers rather read in pieces: larger EXRs are written in tiles.
+const LARGE: u64 = 1 << 24;
 
 /// What will be written.
 #[derive(Debug)]
@@ -51,9 +54,10 @@ impl Outputs {
             .into_iter()
             .map(|path| ("what is rendered", path));
         let mut read: Vec<Named> = files.collect();
+        let field = args.guide.field.as_ref();
         read.extend(named(&[
             ("the reference", args.reference.as_deref()),
-            ("the field", args.guide.field.as_deref()),
+            ("the field", field.map(|name| name.path.as_path())),
             ("the environment map", args.scene.studio.envmap.as_deref()),
         ]));
         check_distinct(&written, &read)?;
@@ -143,23 +147,15 @@ impl Outputs {
         let picture = film.image(layers_of(&asked.aov), metadata);
         let options = WriteOptions {
             pixel_type: None,
-            compression: match asked.compression {
-                file_args::Packing::None => Compression::None,
-                file_args::Packing::Zip => Compression::Zip,
-                file_args::Packing::Piz => Compression::Piz,
-                file_args::Packing::Dwaa => Compression::Dwaa,
-            },
-            tiled: asked.tiled,
+            compression: asked.exr.compression,
+            tiled: u64::from(film.width()) * u64::from(film.height()) > LARGE,
             exposure,
         };
         let mut failures = Vec::new();
         for path in &self.images {
             let mut options = options.clone();
             if Format::of(path) == Ok(Format::Exr) {
-                options.pixel_type = Some(match asked.format {
-                    NumberFormat::Half => PixelType::Half,
-                    NumberFormat::Float => PixelType::Float,
-                });
+                options.pixel_type = Some(asked.exr.format);
             } else if Format::of(path) == Ok(Format::Jpeg) {
                 options.compression = Compression::Default;
             }
@@ -182,21 +178,27 @@ impl Outputs {
     /// # Errors
     /// When the file cannot be written.
     pub fn write_stats(&self, json: &str) -> Result<(), Failure> {
-        self.stats
-            .as_ref()
-            .map_or(Ok(()), |path| write_text(path, json))
+        write_if_wanted(self.stats.as_deref(), json)
     }
 }
 
-/// Writes a text file, whole or not at all.
+/// Writes a file, whole or not at all.
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
+pub fn write_file(path: &Path, content: impl AsRef<[u8]>) -> Result<(), Failure> {
     atomic::replace(path, |file| {
-        std::fs::write(file, text).map_err(|e| e.to_string())
+        std::fs::write(file, &content).map_err(|e| e.to_string())
     })
     .map_err(|e| Failure::Refused(e.to_string()))
+}
+
+/// Writes measurements, if a file for them was named.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write_if_wanted(path: Option<&Path>, json: &str) -> Result<(), Failure> {
+    path.map_or(Ok(()), |path| write_file(path, json))
 }
 
 /// Writes an image that cannot go where it should (the disk is full, the directory has gone) to the

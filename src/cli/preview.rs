@@ -4,6 +4,7 @@
 
 use crate::film::{Film, Pixel};
 use std::net::{TcpStream, ToSocketAddrs};
+use std::str::FromStr;
 use std::time::{Duration, Instant};
 use tev_client::{PacketCreateImage, PacketUpdateImage, TevClient};
 
@@ -12,6 +13,29 @@ const PATIENCE: Duration = Duration::from_secs(2);
 /// Shortest time between two images.
 const INTERVAL: Duration = Duration::from_millis(500);
 const CHANNELS: [&str; 3] = ["R", "G", "B"];
+
+/// Where to show the image while it renders.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Preview {
+    /// In the image viewer tev, at this address.
+    Tev(String),
+}
+
+/// Where tev listens unless told otherwise.
+const TEV_ADDRESS: &str = "127.0.0.1:14158";
+
+impl FromStr for Preview {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let port = |address: &str| Some(address.rsplit_once(':')?.1.parse::<u16>().is_ok());
+        match text.split_once('=') {
+            None if text == "tev" => Ok(Self::Tev(TEV_ADDRESS.into())),
+            Some(("tev", address)) if port(address) == Some(true) => Ok(Self::Tev(address.into())),
+            _ => Err("expected tev or tev=host:port such as tev=127.0.0.1:14158".into()),
+        }
+    }
+}
 
 /// A connection to the viewer.
 pub struct Tev {
@@ -91,5 +115,20 @@ impl Tev {
         }
         self.sent = Some(Instant::now());
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn previews_name_a_host_and_a_port() {
+        let tev = |address: &str| Ok(Preview::Tev(address.into()));
+        assert_eq!("tev".parse(), tev(TEV_ADDRESS));
+        assert_eq!("tev=far:99".parse(), tev("far:99"));
+        for text in ["", "gimp", "tev=", "tev=host", "tev=host:port", "gimp=a:1"] {
+            assert!(text.parse::<Preview>().is_err(), "{text}");
+        }
     }
 }

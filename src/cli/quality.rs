@@ -3,10 +3,12 @@
 //! [`manual::render`](crate::manual::render) has the table of what they stand for;
 //! `twintree sweep` finds what suits a scene.
 
-use super::args::{Cli, Command, Preset, RenderArgs};
-use super::field_args::Guide;
-use super::help::grouped;
+use super::args::{Cli, Command};
+use super::guide_args::Guide;
+use super::help::abridged;
 use super::idle::Typed;
+use super::render_args::{Preset, RenderArgs};
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::parser::ValueSource;
 use clap::{ArgMatches, CommandFactory, FromArgMatches};
 
@@ -16,7 +18,6 @@ struct Settings {
     noise: f32,
     /// or at this number of samples.
     spp: u64,
-    guide: Guide,
     photons: u64,
     paths: u64,
 }
@@ -26,21 +27,18 @@ const fn settings(preset: Preset) -> Settings {
         Preset::Draft => Settings {
             noise: 0.25,
             spp: 256,
-            guide: Guide::Double,
             photons: 100_000,
             paths: 500_000,
         },
         Preset::Normal => Settings {
             noise: 0.08,
             spp: 1024,
-            guide: Guide::Double,
             photons: 500_000,
             paths: 2_000_000,
         },
         Preset::Final => Settings {
             noise: 0.02,
             spp: 16_384,
-            guide: Guide::Double,
             photons: 500_000,
             paths: 8_000_000,
         },
@@ -50,25 +48,17 @@ const fn settings(preset: Preset) -> Settings {
 impl Cli {
     /// Reads the command line. What is wrong with it is printed, and the program ends.
     pub fn read() -> Self {
-        let matches = grouped(with_plain_errors(Self::command())).get_matches();
-        let mut cli = match Self::from_arg_matches(&matches) {
-            Ok(cli) => cli,
-            Err(e) => e.exit(),
-        };
+        let command = abridged(with_plain_errors(Self::command()));
+        let matches = command.try_get_matches();
+        let matches = matches.unwrap_or_else(|e| with_successor(e).exit());
+        let mut cli = Self::from_arg_matches(&matches).unwrap_or_else(|e| e.exit());
         if let (Command::Render(args), Some(matches)) =
             (&mut cli.command, matches.subcommand_matches("render"))
         {
             apply(args, matches);
         }
         if let Some((_, matches)) = matches.subcommand() {
-            let typed = Typed(matches);
-            cli.idle = match &cli.command {
-                Command::Render(args) => typed.of_render(args),
-                Command::Merge(args) => typed.of_merge(args),
-                Command::Train(args) => typed.of_train(args),
-                Command::Field(args) => typed.of_field(args),
-                _ => Vec::new(),
-            };
+            cli.idle = Typed(matches).of(&cli.command);
         }
         cli
     }
@@ -91,9 +81,41 @@ fn with_plain_errors(command: clap::Command) -> clap::Command {
         .mut_subcommands(with_plain_errors)
 }
 
+/// Options that there were once, and what does the same.
+const FORMER: [(&str, &str); 5] = [
+    ("--tiled", "large EXRs are written in tiles by themselves"),
+    (
+        "--half-textures",
+        "--texture-memory 2G:half keeps textures in 16 bits",
+    ),
+    ("--robust", "--accel embree:robust lets no ray slip through"),
+    ("--sample", "--pixel X,Y,SAMPLE names a sample"),
+    (
+        "--any-scene",
+        "any:FILE in the place of the field's name takes any scene's",
+    ),
+];
+
+/// An option that there was once is told apart from one that is mistyped.
+fn with_successor(mut error: clap::Error) -> clap::Error {
+    let unknown = match error.get(ContextKind::InvalidArg) {
+        Some(ContextValue::String(name)) if error.kind() == ErrorKind::UnknownArgument => name,
+        _ => return error,
+    };
+    if let Some((_, tip)) = FORMER.iter().find(|(name, _)| name == unknown) {
+        error.remove(ContextKind::SuggestedArg);
+        error.remove(ContextKind::TrailingArg);
+        let tip = ContextValue::StyledStrs(vec![(*tip).into()]);
+        error.insert(ContextKind::Suggested, tip);
+    }
+    error
+}
+
 /// Puts the settings of the quality where nothing was typed.
 fn apply(args: &mut RenderArgs, matches: &ArgMatches) {
-    let Some(preset) = args.quality else { return };
+    let Some(preset) = args.stop.quality else {
+        return;
+    };
     let typed = |id: &str| matches.value_source(id) == Some(ValueSource::CommandLine);
     let settings = settings(preset);
     if !["spp", "time", "noise"].into_iter().any(typed) {
@@ -101,7 +123,7 @@ fn apply(args: &mut RenderArgs, matches: &ArgMatches) {
         args.stop.spp = Some(settings.spp);
     }
     if !typed("guide") && !typed("field") {
-        args.guide.guide = Some(settings.guide);
+        args.guide.guide = Some(Guide::Double);
     }
     if !typed("photons") {
         args.guide.learn.photons = Some(settings.photons);

@@ -1,17 +1,16 @@
 //! `twintree render`: from a scene file to an image file.
 
-use super::args::RenderArgs;
 use super::checkpoint::Checkpoint;
 use super::console::Console;
 use super::error_track::ErrorTrack;
 use super::finish::Done;
-use super::identity::{self, Subject};
+use super::identity::{self, Fingerprints};
 use super::interrupt::Interrupt;
 use super::load::{self, Input, Loaded};
 use super::output::Outputs;
-use super::preview::Tev;
+use super::preview::{Preview, Tev};
 use super::progress::Watch;
-use super::values::Preview;
+use super::render_args::RenderArgs;
 use super::waiting::Waiting;
 use super::{Failure, invalid, learning, settings, threads, view};
 use crate::camera::Camera;
@@ -51,7 +50,7 @@ struct Setting<'a> {
 /// written.
 pub fn run(args: &RenderArgs, console: &Console, interrupt: &Interrupt) -> Result<(), Failure> {
     if let Some(pixel) = args.doubt.pixel {
-        return super::single::run(args, pixel.0);
+        return super::single::run(args, pixel);
     }
     let input = Input::of(&args.scene)?;
     let outputs = Outputs::of_render(args, &input)?;
@@ -65,12 +64,13 @@ pub fn run(args: &RenderArgs, console: &Console, interrupt: &Interrupt) -> Resul
         false => None,
     };
     if let (Some(field), Some(scene)) = (&field, fingerprint) {
-        field.check(scene, args.guide.any_scene)?;
+        field.check(scene)?;
     }
     let scene = timed(&mut times.build, || loaded.build(&args.rays))?;
     let description = &loaded.description;
     let (width, height) = (description.film.width, description.film.height);
-    let settings = settings::guided_path_settings(args, &description.render);
+    let guided = settings::guided_settings(&args.guide.guided);
+    let settings = settings::path_settings(&args.light, &description.render, guided);
     let limits = settings::limits(&args.stop, &description.render);
     let camera = Camera::new(&description.camera, width, height);
     view::warn(&scene, &camera, &description.camera, &description.film);
@@ -82,9 +82,9 @@ pub fn run(args: &RenderArgs, console: &Console, interrupt: &Interrupt) -> Resul
         guide: None,
     };
     let record = fingerprint.filter(|_| args.parts.wanted()).map(|scene| {
-        let mut subject = Subject::new(&plain, scene, triangles);
-        subject.field = field.as_ref().map(|f| f.fingerprint);
-        identity::record(args, &subject, &limits)
+        let field = field.as_ref().map(|f| f.fingerprint);
+        let of = Fingerprints { scene, field };
+        identity::record(args, &plain, &limits, of, triangles)
     });
     let mut film = identity::film(args, &description.film)?;
     let track = match &args.reference {
@@ -132,6 +132,7 @@ pub fn run(args: &RenderArgs, console: &Console, interrupt: &Interrupt) -> Resul
     let mut stats = measure(args, &scene, &loaded, &film, &summary);
     (stats.triangles, stats.load_seconds) = (triangles, times.load);
     (stats.build_seconds, stats.train_seconds) = (times.build, times.train);
+    stats.settings = identity::settings(args, &plain, &limits);
     stats.field_memory_bytes = guiding.bytes();
     if let Some(track) = track {
         track.finish(&film, &summary, &mut stats);
@@ -194,7 +195,7 @@ fn timed<T>(seconds: &mut f64, work: impl FnOnce() -> T) -> T {
 /// Reads the scene, with what the command line changes about it; how many triangles it has.
 fn read(args: &RenderArgs, input: &Input, times: &mut Times) -> Result<(Loaded, u64), Failure> {
     let mut loaded = timed(&mut times.load, || {
-        load::load(&args.scene, input, Some(&args.picture))
+        load::load(&args.scene, input, Some(args.picture.size))
     })?;
     settings::apply_to_film(args, &mut loaded.description)?;
     let triangles = triangles(&loaded.description);
@@ -276,21 +277,11 @@ fn measure(
         noise_error: summary.noise.map(|n| n.error),
         noise_worst: summary.noise.map(|n| n.worst),
         invalid_samples: film.invalid_samples(),
-        load_seconds: 0.0,
-        build_seconds: 0.0,
-        train_seconds: 0.0,
-        field_memory_bytes: 0,
-        learning_memory_bytes: 0,
         render_seconds: summary.elapsed.as_secs_f64(),
-        write_seconds: 0.0,
-        peak_memory_bytes: None,
         accel_memory_bytes: scene.rays.memory_bytes() as u64,
         texture_memory_bytes: loaded.textures().bytes,
-        triangles: 0,
-        reference: None,
-        errors: Vec::new(),
-        field: None,
-        trial: None,
         warnings: loaded.description.warnings.clone(),
+        // What the stages took is filled in where it is known.
+        ..Stats::default()
     }
 }

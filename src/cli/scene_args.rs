@@ -1,87 +1,109 @@
-//! What can be typed about what is rendered: scenes, models without a scene, and models to be made.
+//! What can be typed about what is rendered: scenes, and models without a scene.
 
-use super::values::{self, Definition};
+use super::values;
+use crate::image::decoded::DecodeLimit;
 use crate::math::DVec3;
 use crate::scene::import::default_scene::{self, Sky, Viewpoint};
 use crate::scene::import::models::palette::Paint;
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{Args, ValueEnum};
+use serde::Serialize;
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::ops::Bound::Excluded;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
-/// Which scene, and how to read it.
-#[derive(Args, Debug)]
+/// Which scene, and how to read it. The scene's fingerprint has what comes of most of it.
+#[derive(Args, Debug, Serialize)]
+#[command(next_help_heading = "Machine")]
 pub struct SceneArgs {
     /// Scene file (Mitsuba XML), or models (.ply .obj .stl .gltf .glb), each with steps behind an
     /// @: a.ply@translate=1,0,0;rotate=y,90;scale=2;material=gold;flat;flip
     #[arg(required = true, value_name = "SCENE|MODEL")]
+    #[serde(skip)]
     pub files: Vec<OsString>,
     /// What is around models.
     #[command(flatten)]
+    #[serde(skip)]
     pub studio: StudioArgs,
+    /// How a scene is read.
+    #[command(flatten)]
+    #[serde(skip)]
+    pub read: ReadArgs,
+    /// Memory for texels, such as 512M or 2G: what does not fit is read again when needed. With
+    /// :half behind it, as in 2G:half, textures of 32 bits are kept in 16: half the memory, three
+    /// digits
+    #[arg(long, value_name = "BYTES[:half]", default_value = "2G")]
+    pub texture_memory: TextureMemory,
+    /// Most memory for an image or mesh file once it is decoded; one that is itself a hundredth of
+    /// that passes
+    #[arg(long, value_name = "BYTES", default_value = "1G", value_parser = values::bytes)]
+    #[serde(skip)]
+    pub limit_decoded: usize,
+}
+
+impl SceneArgs {
+    /// A scene of a name, for commands that take a scene by an option.
+    pub fn of(scene: &Path, read: &ReadArgs) -> Self {
+        Self {
+            files: vec![scene.into()],
+            studio: StudioArgs::default(),
+            read: read.clone(),
+            texture_memory: TextureMemory::default(),
+            limit_decoded: DecodeLimit::default().bytes as usize,
+        }
+    }
+
+    /// What was asked for, in the words of who asked.
+    pub fn title(&self) -> String {
+        let words: Vec<_> = self.files.iter().map(|f| f.to_string_lossy()).collect();
+        words.join(" ")
+    }
+}
+
+/// How a scene is read.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Scene")]
+pub struct ReadArgs {
     /// Value of a $key in the scene; can be given often
-    #[arg(
-        short = 'D',
-        long = "define",
-        value_name = "KEY=VALUE",
-        help_heading = "Scene"
-    )]
+    #[arg(short = 'D', long = "define", value_name = "KEY=VALUE")]
     pub define: Vec<Definition>,
     /// Put something plain in the place of what is wrong or missing, with a warning, instead of
     /// giving up
-    #[arg(long, help_heading = "Scene")]
+    #[arg(long)]
     pub lenient: bool,
-    /// Memory for texels, such as 512M or 2G: what does not fit is read again when needed
-    #[arg(long, value_name = "BYTES", default_value = "2G", value_parser = values::bytes, help_heading = "Machine")]
-    pub texture_memory: usize,
-    /// Most memory for an image or mesh file once it is decoded; one that is itself a hundredth of
-    /// that passes
-    #[arg(long, value_name = "BYTES", default_value = "1G", value_parser = values::bytes, help_heading = "Machine")]
-    pub limit_decoded: usize,
-    /// Keep textures of 32 bits in 16: half the memory, three digits
-    #[arg(long, help_heading = "Machine")]
-    pub half_textures: bool,
 }
 
 /// What is around models that come without a scene.
 #[derive(Args, Debug, Clone, Default, PartialEq)]
+#[command(next_help_heading = "Models without a scene")]
 pub struct StudioArgs {
     /// Camera: orbit:AZIMUTH,ELEVATION in degrees, from:X,Y,Z, or the name or number of a glTF
     /// camera [default: the models' first camera, or orbit:30,20]
-    #[arg(
-        long,
-        value_name = "VIEW",
-        allow_hyphen_values = true,
-        help_heading = "Models without a scene"
-    )]
+    #[arg(long, value_name = "VIEW", allow_hyphen_values = true)]
     pub camera: Option<Viewpoint>,
     /// Point that the camera looks at [default: the middle of the models]
-    #[arg(long, value_name = "X,Y,Z", value_parser = default_scene::point, allow_hyphen_values = true, help_heading = "Models without a scene")]
+    #[arg(long, value_name = "X,Y,Z", value_parser = default_scene::point, allow_hyphen_values = true)]
     pub look_at: Option<DVec3>,
     /// Field of view along the picture's shorter side, degrees [default: the camera's, or 35]
-    #[arg(long, value_name = "DEGREES", value_parser = values::field_of_view, help_heading = "Models without a scene")]
+    #[arg(long, value_name = "DEGREES", value_parser = values::number((Excluded(0.0), Excluded(180.0)), "expected degrees above 0 and below 180 such as 35"))]
     pub fov: Option<f64>,
     /// Light: studio, white, white:R,G,B, sun, sun:AZIMUTH,ELEVATION or none [default: studio, if
     /// the models bring no light]
-    #[arg(long, value_name = "SKY", help_heading = "Models without a scene")]
+    #[arg(long, value_name = "SKY")]
     pub sky: Option<Sky>,
     /// Image around the scene, latitude by longitude
-    #[arg(long, value_name = "FILE", help_heading = "Models without a scene")]
+    #[arg(long, value_name = "FILE")]
     pub envmap: Option<PathBuf>,
     /// Ground under the models [material if none is named: matte:0.4]
-    #[arg(long, value_name = "MATERIAL", num_args = 0..=1, require_equals = true, default_missing_value = "matte:0.4", help_heading = "Models without a scene")]
+    #[arg(long, value_name = "MATERIAL", num_args = 0..=1, require_equals = true, default_missing_value = "matte:0.4")]
     pub ground: Option<Paint>,
     /// Material of all models: clay, matte, plastic, metal, mirror, glass, frosted, water, gold,
     /// silver, copper, aluminium, chrome, tungsten; with a colour as in plastic:0.8,0.1,0.1 or
     /// clay:#cc3311 [default: the models' own; clay, with the colours of their vertices]
-    #[arg(long, value_name = "MATERIAL", help_heading = "Models without a scene")]
+    #[arg(long, value_name = "MATERIAL")]
     pub material: Option<Paint>,
     /// Axis of the models that is up; glTF files are turned accordingly
-    #[arg(
-        long,
-        value_name = "AXIS",
-        default_value = "y",
-        help_heading = "Models without a scene"
-    )]
+    #[arg(long, value_name = "AXIS", default_value = "y")]
     pub up: UpAxis,
 }
 
@@ -95,44 +117,89 @@ pub enum UpAxis {
     Z,
 }
 
-/// Arguments of `twintree make`.
-#[derive(Args, Debug)]
-pub struct MakeArgs {
-    /// What to make.
-    #[command(subcommand)]
-    pub what: MakeCommand,
+/// A value for a `$name` in a scene file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Definition {
+    /// The name, without `$`.
+    pub name: String,
+    /// The text to put in its place.
+    pub value: String,
 }
 
-/// What can be made.
-#[derive(Subcommand, Debug)]
-pub enum MakeCommand {
-    /// Write a mesh of any size as binary PLY, always the same for the same words
-    Mesh(MakeMeshArgs),
+impl FromStr for Definition {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let word = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.');
+        match text.split_once('=') {
+            Some((name, value)) if !name.is_empty() && name.chars().all(word) => Ok(Self {
+                name: name.into(),
+                value: value.into(),
+            }),
+            _ => Err("expected key=value such as -D spp=256".into()),
+        }
+    }
 }
 
-/// Arguments of `twintree make mesh`.
-#[derive(Args, Debug)]
-pub struct MakeMeshArgs {
-    /// Shape
-    #[arg(long, value_name = "SHAPE")]
-    pub kind: MeshShape,
-    /// Triangles, such as 20k, 5M or 1G; the mesh comes as near to it as its shape allows
-    #[arg(long, value_name = "N", default_value = "1M", value_parser = values::amount)]
-    pub triangles: u64,
-    /// File to write
-    #[arg(short, long, value_name = "FILE.ply")]
-    pub output: PathBuf,
+/// Memory for texels, and how they are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(into = "String")]
+pub struct TextureMemory {
+    /// Texels that are held at once, in bytes.
+    pub bytes: usize,
+    /// Keep 16 bits of each 32.
+    pub half: bool,
 }
 
-/// Shapes that can be made.
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MeshShape {
-    /// Mountains
-    Terrain,
-    /// A wall along Heighway's dragon curve
-    DragonCurve,
-    /// Spheres on spheres
-    SphereFlake,
-    /// A tube tied to a knot
-    TorusKnot,
+impl Default for TextureMemory {
+    fn default() -> Self {
+        let (bytes, half) = (2 << 30, false);
+        Self { bytes, half }
+    }
+}
+
+impl From<TextureMemory> for String {
+    fn from(memory: TextureMemory) -> Self {
+        format!("{}{}", memory.bytes, if memory.half { ":half" } else { "" })
+    }
+}
+
+impl FromStr for TextureMemory {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let half = text.strip_suffix(":half");
+        Ok(Self {
+            bytes: values::bytes(half.unwrap_or(text))?,
+            half: half.is_some(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn definitions_keep_what_follows_the_first_equals_sign() {
+        let definition: Definition = "a_1=b=c".parse().unwrap();
+        assert_eq!(
+            (definition.name.as_str(), definition.value.as_str()),
+            ("a_1", "b=c")
+        );
+        for text in ["", "=1", "a", "a b=1"] {
+            assert!(text.parse::<Definition>().is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn texels_may_be_kept_in_halves() {
+        let of = |bytes, half| Ok(TextureMemory { bytes, half });
+        assert_eq!("512M".parse(), of(512 << 20, false));
+        assert_eq!("1G:half".parse(), of(1 << 30, true));
+        assert_eq!("2G".parse(), Ok(TextureMemory::default()));
+        for text in ["", "half", ":half", "2G:halves", "2G:half:half", "-1:half"] {
+            assert!(text.parse::<TextureMemory>().is_err(), "{text}");
+        }
+    }
 }

@@ -1,18 +1,14 @@
 //! What the command line changes about a scene.
 
-use super::args::{RenderArgs, StopArgs};
-use super::field_args::{
-    Adaptive, GuideArgs, GuideModel, LearnArgs, Manifold, RouletteBy, Teachers,
-};
-use super::light_args::{LightArgs, Sampler};
-use super::picture_args::{PictureArgs, RFilter};
+use super::guide_args::{GuidedArgs, LearnArgs, Teachers, When};
+use super::light_args::LightArgs;
+use super::picture_args::{PictureArgs, SizeArgs};
+use super::render_args::{RenderArgs, StopArgs};
 use super::{Failure, memory};
-use crate::film::filter::Filter;
 use crate::film::{FilmDescription, Pixel};
-use crate::guide::ModelKind;
 use crate::integrate::progress::Limits;
 use crate::integrate::training::LearnSettings;
-use crate::integrate::{PathSettings, Roulette};
+use crate::integrate::{GuidedSettings, PathSettings};
 use crate::photon::PhotonSettings;
 use crate::photon::schedule::Budget;
 use crate::scene::Description;
@@ -24,10 +20,10 @@ use crate::scene::description::{RenderDescription, SamplerKind};
 /// When the crop does not fit, or the film does not fit into memory.
 pub fn apply_to_film(args: &RenderArgs, description: &mut Description) -> Result<(), Failure> {
     let film = &mut description.film;
-    resize(film, args.picture.width, args.picture.height);
+    resize(film, args.picture.size);
     crop(film, &args.picture)?;
     if let Some(filter) = args.picture.rfilter {
-        film.filter = filter_of(filter);
+        film.filter = filter;
     }
     if let Some(exposure) = args.files.exposure {
         film.exposure = exposure;
@@ -36,13 +32,13 @@ pub fn apply_to_film(args: &RenderArgs, description: &mut Description) -> Result
 }
 
 /// Sets the size; one side alone keeps the proportions. The scene's own crop grows with the film.
-pub fn resize(film: &mut FilmDescription, width: Option<u32>, height: Option<u32>) {
+pub fn resize(film: &mut FilmDescription, size: SizeArgs) {
     let (old_width, old_height) = (film.width, film.height);
     let scaled = |side: u32, by: u32, of: u32| {
         let exact = f64::from(side) * f64::from(by) / f64::from(of);
         (exact.round() as u32).max(1)
     };
-    (film.width, film.height) = match (width, height) {
+    (film.width, film.height) = match (size.width, size.height) {
         (None, None) => return,
         (Some(w), Some(h)) => (w, h),
         (Some(w), None) => (w, scaled(old_height, w, old_width)),
@@ -105,71 +101,43 @@ pub fn check_memory([x0, y0, x1, y1]: [u32; 4]) -> Result<(), Failure> {
     }
 }
 
-fn filter_of(filter: RFilter) -> Filter {
-    match filter {
-        RFilter::Box => Filter::Box { radius: 0.5 },
-        RFilter::Tent => Filter::Tent { radius: 1.0 },
-        RFilter::Gaussian => Filter::Gaussian { stddev: 0.5 },
-        RFilter::Mitchell => Filter::Mitchell {
-            b: 1.0 / 3.0,
-            c: 1.0 / 3.0,
-        },
-        RFilter::Catmullrom => Filter::CatmullRom,
-        RFilter::Lanczos => Filter::Lanczos { lobes: 3.0 },
-    }
-}
-
 /// How paths are traced: the scene's words, then the command line's.
-pub fn path_settings(args: &LightArgs, scene: &RenderDescription) -> PathSettings {
+///
+/// Sobol points drive the samples unless the command line says otherwise, with and without a field,
+/// whatever the scene names, for a scene mostly asks for independent numbers because that is what
+/// its format has by default. (Relative variance of 64 guided samples without the worst 0.1 % of
+/// the pixels, with independent numbers and with Sobol points: a kitchen 0.057, 0.052; a torus in
+/// glass 0.0101, 0.0078; veach-ajar 0.0305, 0.0284; lux-pool 0.093, 0.090; `scenes/pool` 0.0236,
+/// 0.0190; in 1.0 to 1.07 times the time.)
+pub fn path_settings(
+    args: &LightArgs,
+    scene: &RenderDescription,
+    guided: GuidedSettings,
+) -> PathSettings {
     let max_depth = args.max_depth.map_or(scene.max_depth, |depth| depth.0);
     PathSettings {
         max_depth: max_depth.unwrap_or(u32::MAX),
         rr_depth: args.rr_depth.unwrap_or(scene.rr_depth),
-        roulette: Roulette::default(),
-        reuse: 1,
-        manifold: false,
-        adaptive: false,
+        guided,
         hide_emitters: args.hide_emitters || scene.hide_emitters,
         strict_normals: args.strict_normals || scene.strict_normals,
-        sampler: sampler(args),
+        sampler: args.sampler.unwrap_or(SamplerKind::Sobol),
         seed: args.seed,
     }
 }
 
-/// How paths of a render are traced, guided ones too.
-pub fn guided_path_settings(args: &RenderArgs, scene: &RenderDescription) -> PathSettings {
-    let guide = &args.guide;
-    PathSettings {
-        roulette: roulette(guide),
-        reuse: guide.reuse,
-        manifold: guide.manifold == Manifold::Auto,
-        adaptive: guide.adaptive == Adaptive::Auto,
-        ..path_settings(&args.light, scene)
-    }
-}
-
-/// Where the samples go: Sobol points unless the command line says otherwise, with and without a
-/// field, whatever the scene names, for a scene mostly asks for independent numbers because that is
-/// what its format has by default. (Relative variance of 64 guided samples without the worst 0.1 %
-/// of the pixels, with independent numbers and with Sobol points: a kitchen 0.057, 0.052; a torus
-/// in glass 0.0101, 0.0078; veach-ajar 0.0305, 0.0284; lux-pool 0.093, 0.090; `scenes/pool` 0.0236,
-/// 0.0190; in 1.0 to 1.07 times the time.)
-fn sampler(args: &LightArgs) -> SamplerKind {
-    match args.sampler {
-        Some(Sampler::Independent) => SamplerKind::Independent,
-        Some(Sampler::Sobol) | None => SamplerKind::Sobol,
-    }
-}
-
-fn roulette(args: &GuideArgs) -> Roulette {
-    match args.roulette {
-        RouletteBy::Field => Roulette::Field,
-        RouletteBy::Throughput => Roulette::Throughput,
+/// How paths of a render are traced where a field guides them.
+pub fn guided_settings(args: &GuidedArgs) -> GuidedSettings {
+    GuidedSettings {
+        roulette: args.roulette,
+        reuse: args.reuse,
+        manifold: args.manifold == When::Auto,
+        adaptive: args.adaptive == When::Auto,
     }
 }
 
 /// Most scatterings of a photon where paths are unlimited: roulette has ended nearly all by then.
-pub const UNLIMITED_BOUNCES: u32 = 1000;
+const UNLIMITED_BOUNCES: u32 = 1000;
 
 /// Photons that a field is learned from where no image says how many it is worth.
 pub const PHOTONS: u64 = 500_000;
@@ -207,7 +175,16 @@ fn exactly(photons: u64, batches: u32) -> Budget {
     Budget::Exactly { photons, batches }
 }
 
-/// How to learn a field. Photons scatter as often as camera paths can.
+/// How photons are traced: they scatter as often as camera paths can.
+pub fn photon_settings(path: &PathSettings) -> PhotonSettings {
+    PhotonSettings {
+        max_bounces: path.max_depth.saturating_sub(2).min(UNLIMITED_BOUNCES),
+        roulette_after: path.rr_depth.saturating_sub(2),
+        seed: path.seed,
+    }
+}
+
+/// How to learn a field.
 ///
 /// # Errors
 /// When nothing is left to learn from.
@@ -230,16 +207,8 @@ pub fn learn_settings(
         paths,
         batches: args.batches,
         memory: args.guide_memory as u64,
-        photon: PhotonSettings {
-            max_bounces: path.max_depth.saturating_sub(2).min(UNLIMITED_BOUNCES),
-            roulette_after: path.rr_depth.saturating_sub(2),
-            seed: path.seed,
-        },
-        model: match args.guide_model {
-            GuideModel::Constant => ModelKind::Constant,
-            GuideModel::Vmf => ModelKind::Vmf,
-            GuideModel::Gauss => ModelKind::Gauss,
-        },
+        photon: photon_settings(path),
+        model: args.guide_model,
         mixture: None,
         trial: false,
     })
@@ -264,6 +233,7 @@ pub fn limits(args: &StopArgs, scene: &RenderDescription) -> Limits {
 mod tests {
     use super::*;
     use crate::film::FilmKind;
+    use crate::film::filter::Filter;
 
     fn film(width: u32, height: u32, crop: Option<[u32; 4]>) -> FilmDescription {
         FilmDescription {
@@ -286,18 +256,22 @@ mod tests {
             (Some(1), None, (1, 1)),
         ] {
             let mut film = film(640, 360, None);
-            resize(&mut film, width, height);
+            resize(&mut film, SizeArgs { width, height });
             assert_eq!((film.width, film.height), expected);
         }
     }
 
     #[test]
     fn the_crop_of_the_scene_grows_with_the_film_and_keeps_a_pixel() {
+        let width = |side| SizeArgs {
+            width: Some(side),
+            height: None,
+        };
         let mut large = film(100, 100, Some([10, 20, 30, 40]));
-        resize(&mut large, Some(200), None);
+        resize(&mut large, width(200));
         assert_eq!(large.crop, Some([20, 40, 60, 80]));
         let mut small = film(100, 100, Some([98, 99, 99, 100]));
-        resize(&mut small, Some(10), None);
+        resize(&mut small, width(10));
         assert_eq!(small.crop, Some([9, 9, 10, 10]));
     }
 
@@ -305,6 +279,7 @@ mod tests {
     fn a_limit_of_the_command_line_replaces_that_of_the_scene() {
         let scene = RenderDescription::default();
         let mut stop = StopArgs {
+            quality: None,
             spp: None,
             time: None,
             noise: None,

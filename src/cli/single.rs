@@ -1,7 +1,7 @@
-//! `twintree render --pixel x,y --sample i`: one sample, traced again and printed vertex by vertex.
+//! `twintree render --pixel x,y,sample`: one sample, traced again and printed vertex by vertex.
 
-use super::args::RenderArgs;
 use super::load::{self, Input};
+use super::render_args::{PixelSample, RenderArgs};
 use super::{Failure, console, learning, settings};
 use crate::camera::Camera;
 use crate::film::FilmDescription;
@@ -16,12 +16,12 @@ use std::fmt::Write as _;
 ///
 /// # Errors
 /// When the scene cannot be used, or the pixel is not on the film.
-pub fn run(args: &RenderArgs, pixel: [u32; 2]) -> Result<(), Failure> {
+pub fn run(args: &RenderArgs, PixelSample { pixel, sample }: PixelSample) -> Result<(), Failure> {
     let input = Input::of(&args.scene)?;
-    let mut loaded = load::load(&args.scene, &input, Some(&args.picture))?;
+    let mut loaded = load::load(&args.scene, &input, Some(args.picture.size))?;
     let field = learning::wanted_file(&args.guide)?;
     if let Some(field) = &field {
-        field.check(loaded.fingerprint()?, args.guide.any_scene)?;
+        field.check(loaded.fingerprint()?)?;
     }
     settings::apply_to_film(args, &mut loaded.description)?;
     check_pixel(&loaded.description.film, pixel)?;
@@ -30,7 +30,11 @@ pub fn run(args: &RenderArgs, pixel: [u32; 2]) -> Result<(), Failure> {
     let scene = loaded.build(&args.rays)?;
     let description = &loaded.description;
     let film = &description.film;
-    let settings = settings::guided_path_settings(args, &description.render);
+    let settings = settings::path_settings(
+        &args.light,
+        &description.render,
+        settings::guided_settings(&args.guide.guided),
+    );
     let limits = settings::limits(&args.stop, &description.render);
     let camera = Camera::new(&description.camera, film.width, film.height);
     let plain = View {
@@ -41,7 +45,6 @@ pub fn run(args: &RenderArgs, pixel: [u32; 2]) -> Result<(), Failure> {
         guide: None,
     };
     let mut guiding = learning::guiding(&args.guide, field, &plain, &limits)?;
-    let sample = args.doubt.sample;
     let path = match &mut guiding.learner {
         Some(learner) => train_until(&plain, learner, limits.spp, pixel, sample),
         None => PathNumber::plain(sample),
@@ -60,12 +63,12 @@ pub fn run(args: &RenderArgs, pixel: [u32; 2]) -> Result<(), Failure> {
             "the path goes on after {MOST_STEPS} edges, and was left there: --max-depth ends it"
         );
     }
-    if view.guide.is_some() && settings.reuse > 1 {
+    if view.guide.is_some() && settings.guided.reuse > 1 {
         // Writing to a String does not fail.
         let _ = writeln!(
             text,
             "That is the path by itself: in the image it shares with others (--reuse {}).",
-            settings.reuse
+            settings.guided.reuse
         );
     }
     console::print_result(&text)

@@ -1,17 +1,54 @@
 //! `twintree train`: from a scene to a field file.
 
 use super::console::Console;
-use super::field_args::{Teachers, TrainArgs};
+use super::guide_args::{LearnArgs, Teachers};
 use super::learning::{self, Opened};
+use super::light_args::LightArgs;
 use super::load::Input;
+use super::picture_args::SizeArgs;
 use super::ray_args::RayArgs;
+use super::scene_args::SceneArgs;
 use super::waiting::Waiting;
-use super::{Failure, load, output, settings, targets};
+use super::{Failure, load, output, part_args, settings, targets};
 use crate::camera::Camera;
-use crate::integrate::View;
+use crate::film::Shard;
 use crate::integrate::training::extend::{More, extend, to_file};
+use crate::integrate::{GuidedSettings, View};
 use crate::report::words;
+use clap::Args;
+use std::path::PathBuf;
 use std::time::Instant;
+
+/// Arguments of `twintree train`.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Guiding")]
+pub struct TrainArgs {
+    /// File to write [default: the scene's name with .field, in the current directory]
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    pub output: Option<PathBuf>,
+    /// Learn further: from records that this field does not know yet, over its structure as it is
+    #[arg(long, value_name = "FILE",
+          conflicts_with_all = ["batches", "guide_memory", "guide_model", "train"])]
+    pub field: Option<PathBuf>,
+    /// Learn from a share of these records, 0/4 to 3/4, into a field for "twintree merge-fields"
+    #[arg(long, value_name = "I/N", value_parser = part_args::shard, requires = "field")]
+    pub shard: Option<Shard>,
+    /// How a field is learned.
+    #[command(flatten)]
+    pub learn: LearnArgs,
+    /// Scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Size of the picture that camera paths are for.
+    #[command(flatten)]
+    pub size: SizeArgs,
+    /// Light transport.
+    #[command(flatten)]
+    pub light: LightArgs,
+    /// Ray tracer.
+    #[command(flatten)]
+    pub rays: RayArgs,
+}
 
 /// Learns and writes.
 ///
@@ -29,16 +66,12 @@ pub fn run(args: &TrainArgs, console: &Console) -> Result<(), Failure> {
     targets::check_distinct(&[("-o", &target)], &files)?;
     let base = args.field.as_deref().map(Opened::read).transpose()?;
     let mut loaded = load::load(&args.scene, &input, None)?;
-    let (width, height) = (args.size.width, args.size.height);
-    settings::resize(&mut loaded.description.film, width, height);
+    settings::resize(&mut loaded.description.film, args.size);
     let fingerprint = loaded.fingerprint()?;
     if let Some(base) = &base {
-        base.check(fingerprint, false)?;
+        base.check(fingerprint)?;
     }
-    let scene = loaded.build(&RayArgs {
-        accel: args.accel,
-        ..RayArgs::default()
-    })?;
+    let scene = loaded.build(&args.rays)?;
     if scene.lights.is_empty() {
         let help = "add an emitter to the scene";
         let message = "nothing shines: there is nothing to learn";
@@ -46,7 +79,8 @@ pub fn run(args: &TrainArgs, console: &Console) -> Result<(), Failure> {
     }
     let description = &loaded.description;
     let film = &description.film;
-    let mut settings = settings::path_settings(&args.light, &description.render);
+    let mut settings =
+        settings::path_settings(&args.light, &description.render, GuidedSettings::PLAIN);
     if let Some(base) = &base {
         // Records follow those of the base: their numbers mean something for one seed only.
         settings.seed = base.file.trainer.settings().seed;

@@ -1,187 +1,47 @@
-//! Words of the command line that have a grammar of their own. Each parser's error is the sentence
-//! that clap prints after `invalid value '...' for '...':`.
+//! Numbers of the command line and their units. Each parser's error is the sentence that clap prints
+//! after `invalid value '...' for '...':`.
 
-use crate::film::Shard;
+use std::ops::RangeBounds;
 use std::str::FromStr;
 use std::time::Duration;
 
-/// A limit on the number of edges of a path.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Depth(
-    /// `None` is unlimited.
-    pub Option<u32>,
-);
+/// Numbers with commas between them, such as `160,90`; `None` if it is not `N` of them.
+pub fn list<T: FromStr, const N: usize>(text: &str) -> Option<[T; N]> {
+    let numbers: Result<Vec<T>, _> = text.split(',').map(|t| t.trim().parse()).collect();
+    numbers.ok()?.try_into().ok()
+}
 
-impl FromStr for Depth {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        if matches!(text, "-1" | "unlimited") {
-            return Ok(Self(None));
-        }
-        match text.parse() {
-            Ok(depth) if depth > 0 => Ok(Self(Some(depth))),
-            _ => Err("expected a whole number from 1 on, or \"unlimited\"".into()),
-        }
+/// Reads a number of a range; `expected` says what is one.
+pub fn number<T: FromStr + PartialOrd>(
+    range: impl RangeBounds<T> + Clone,
+    expected: &'static str,
+) -> impl Fn(&str) -> Result<T, String> + Clone {
+    move |text| {
+        let number = text.parse().ok().filter(|number| range.contains(number));
+        number.ok_or_else(|| expected.into())
     }
 }
 
-/// Part of a film: x0, y0, x1, y1 in pixels, upper bounds not included.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Crop(
-    /// The four numbers, x0 < x1 and y0 < y1.
-    pub [u32; 4],
-);
-
-impl FromStr for Crop {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let numbers: Result<Vec<u32>, _> = text.split(',').map(|t| t.trim().parse()).collect();
-        let Ok(&[x0, y0, x1, y1]) = numbers.as_deref() else {
-            return Err("expected four whole numbers x0,y0,x1,y1 such as 0,0,320,240".into());
-        };
-        if x0 >= x1 || y0 >= y1 {
-            return Err("it holds no pixel: x1 must be beyond x0, and y1 beyond y0".into());
-        }
-        Ok(Self([x0, y0, x1, y1]))
-    }
-}
-
-/// A pixel of the full film.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PixelAt(
-    /// x from the left and y from the top, from 0.
-    pub [u32; 2],
-);
-
-impl FromStr for PixelAt {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let numbers: Result<Vec<u32>, _> = text.split(',').map(|t| t.trim().parse()).collect();
-        match numbers.as_deref() {
-            Ok(&[x, y]) => Ok(Self([x, y])),
-            _ => Err("expected two whole numbers x,y such as 160,90".into()),
-        }
-    }
-}
-
-/// A value for a `$name` in a scene file.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Definition {
-    /// The name, without `$`.
-    pub name: String,
-    /// The text to put in its place.
-    pub value: String,
-}
-
-impl FromStr for Definition {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let word = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.');
-        match text.split_once('=') {
-            Some((name, value)) if !name.is_empty() && name.chars().all(word) => Ok(Self {
-                name: name.into(),
-                value: value.into(),
-            }),
-            _ => Err("expected key=value such as -D spp=256".into()),
-        }
-    }
-}
-
-/// How often directions are drawn from a field.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mixture(
-    /// Share of the directions, within 0.1 and 0.9; `None` is learned.
-    pub Option<f32>,
-);
-
-impl FromStr for Mixture {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        if text == "learned" {
-            return Ok(Self(None));
-        }
-        match text.parse::<f32>() {
-            Ok(share) if (0.1..=0.9).contains(&share) => Ok(Self(Some(share))),
-            _ => Err("expected a number from 0.1 to 0.9, or \"learned\"".into()),
-        }
-    }
-}
-
-/// A pixel of a film.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Pixel {
-    /// Column, from the left.
-    pub x: u32,
-    /// Row, from the top.
-    pub y: u32,
-}
-
-impl FromStr for Pixel {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let numbers = text
-            .split_once(',')
-            .map(|(x, y)| (x.trim().parse(), y.trim().parse()));
-        match numbers {
-            Some((Ok(x), Ok(y))) => Ok(Self { x, y }),
-            _ => Err("expected two whole numbers x,y such as 160,90".into()),
-        }
-    }
-}
-
-impl std::fmt::Display for Pixel {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{},{}", self.x, self.y)
-    }
-}
-
-/// A share of the film, `i/n` with `i` counted from 0.
+/// A brightness as a power of two. Beyond the range every picture is black or white.
 ///
 /// # Errors
-/// When it is not one.
-pub fn shard(text: &str) -> Result<Shard, String> {
-    let numbers = text
-        .split_once('/')
-        .map(|(i, n)| (i.parse::<u32>(), n.parse::<u32>()));
-    let Some((Ok(index), Ok(count))) = numbers else {
-        return Err("expected i/n such as 0/4, the first of four".into());
-    };
-    if index >= count {
-        return Err(format!(
-            "shards are counted from 0: the last of {count} is {}/{count}",
-            count.saturating_sub(1)
-        ));
-    }
-    Ok(Shard { index, count })
+/// A sentence that says what was expected.
+pub fn stops(text: &str) -> Result<f32, String> {
+    number(
+        -64.0..=64.0,
+        "expected a number from -64 to 64 such as 1.5 or -2",
+    )(text)
 }
 
-/// Where to show the image while it renders.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Preview {
-    /// In the image viewer tev, at this address.
-    Tev(String),
-}
-
-/// Where tev listens unless told otherwise.
-const TEV_ADDRESS: &str = "127.0.0.1:14158";
-
-impl FromStr for Preview {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let port = |address: &str| Some(address.rsplit_once(':')?.1.parse::<u16>().is_ok());
-        match text.split_once('=') {
-            None if text == "tev" => Ok(Self::Tev(TEV_ADDRESS.into())),
-            Some(("tev", address)) if port(address) == Some(true) => Ok(Self::Tev(address.into())),
-            _ => Err("expected tev or tev=host:port such as tev=127.0.0.1:14158".into()),
-        }
-    }
+/// A limit on an error, or a time that may be none.
+///
+/// # Errors
+/// A sentence that says what was expected.
+pub fn limit(text: &str) -> Result<f64, String> {
+    number(
+        0.0..f64::INFINITY,
+        "expected a number from 0 on such as 0.01",
+    )(text)
 }
 
 /// Reads a number and the letters behind it off the front of `text`.
@@ -205,8 +65,8 @@ pub fn duration(text: &str) -> Result<Duration, String> {
         Ok(seconds) => Some(seconds),
         Err(_) => seconds_by_units(text),
     };
-    let seconds = seconds.filter(|&s| s > 0.0);
     seconds
+        .filter(|&s| s > 0.0)
         .and_then(|s| Duration::try_from_secs_f64(s).ok())
         .ok_or_else(|| EXPECTED.into())
 }
@@ -253,41 +113,6 @@ pub fn bytes(text: &str) -> Result<usize, String> {
     Ok((number * (1u64 << shift) as f64) as usize)
 }
 
-/// A noise to stop at.
-///
-/// # Errors
-/// A sentence that says what was expected.
-pub fn noise(text: &str) -> Result<f32, String> {
-    match text.parse::<f32>() {
-        Ok(noise) if noise > 0.0 && noise.is_finite() => Ok(noise),
-        _ => Err("expected a number above 0 such as 0.02".into()),
-    }
-}
-
-/// A brightness as a power of two.
-///
-/// # Errors
-/// A sentence that says what was expected.
-pub fn stops(text: &str) -> Result<f32, String> {
-    /// Beyond it every picture is black or white.
-    const MOST: f32 = 64.0;
-    match text.parse::<f32>() {
-        Ok(stops) if stops.abs() <= MOST => Ok(stops),
-        _ => Err("expected a number from -64 to 64 such as 1.5 or -2".into()),
-    }
-}
-
-/// A field of view in degrees.
-///
-/// # Errors
-/// A sentence that says what was expected.
-pub fn field_of_view(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(degrees) if degrees > 0.0 && degrees < 180.0 => Ok(degrees),
-        _ => Err("expected degrees above 0 and below 180 such as 35".into()),
-    }
-}
-
 /// A number of things such as `500`, `20k`, `5M` or `1.5G`; the units are powers of 1000.
 ///
 /// # Errors
@@ -312,31 +137,10 @@ pub fn amount(text: &str) -> Result<u64, String> {
         .ok_or_else(|| EXPECTED.into())
 }
 
-/// A limit on an error, or a time that may be none.
-///
-/// # Errors
-/// A sentence that says what was expected.
-pub fn limit(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(limit) if limit >= 0.0 && limit.is_finite() => Ok(limit),
-        _ => Err("expected a number from 0 on such as 0.01".into()),
-    }
-}
-
-/// A range of values.
-///
-/// # Errors
-/// A sentence that says what was expected.
-pub fn range(text: &str) -> Result<f64, String> {
-    limit(text)
-        .ok()
-        .filter(|range| *range > 0.0)
-        .ok_or_else(|| "expected a number above 0 such as 1".into())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::ops::Bound::Excluded;
 
     #[test]
     fn times_are_read_with_and_without_units() {
@@ -399,55 +203,20 @@ mod tests {
     }
 
     #[test]
-    fn fields_of_view_are_below_180_degrees() {
-        assert_eq!(field_of_view("35"), Ok(35.0));
+    fn numbers_keep_to_their_range() {
+        let degrees = number((Excluded(0.0), Excluded(180.0)), "degrees");
+        assert_eq!(degrees("35"), Ok(35.0));
         for text in ["0", "180", "-5", "wide", "nan"] {
-            assert!(field_of_view(text).is_err(), "{text}");
+            assert_eq!(degrees(text), Err("degrees".into()), "{text}");
         }
     }
 
     #[test]
-    fn crops_hold_pixels() {
-        assert_eq!("1,2,3,4".parse(), Ok(Crop([1, 2, 3, 4])));
-        for text in [
-            "1,2,3",
-            "3,2,1,4",
-            "1,4,3,4",
-            "a,b,c,d",
-            "1,2,3,4,5",
-            "-1,0,2,2",
-        ] {
-            assert!(text.parse::<Crop>().is_err(), "{text}");
-        }
-    }
-
-    #[test]
-    fn pixels_are_two_numbers() {
-        assert_eq!("3,4".parse(), Ok(Pixel { x: 3, y: 4 }));
+    fn lists_have_as_many_numbers_as_are_asked_for() {
+        assert_eq!(list("3,4"), Some([3, 4]));
+        assert_eq!(list("3, 4"), Some([3, 4]));
         for text in ["", "3", "3,4,5", "-1,2", "a,b", "1.5,2"] {
-            assert!(text.parse::<Pixel>().is_err(), "{text}");
-        }
-    }
-
-    #[test]
-    fn definitions_keep_what_follows_the_first_equals_sign() {
-        let definition: Definition = "a_1=b=c".parse().unwrap();
-        assert_eq!(
-            (definition.name.as_str(), definition.value.as_str()),
-            ("a_1", "b=c")
-        );
-        for text in ["", "=1", "a", "a b=1"] {
-            assert!(text.parse::<Definition>().is_err(), "{text}");
-        }
-    }
-
-    #[test]
-    fn previews_name_a_host_and_a_port() {
-        let tev = |address: &str| Ok(Preview::Tev(address.into()));
-        assert_eq!("tev".parse(), tev(TEV_ADDRESS));
-        assert_eq!("tev=far:99".parse(), tev("far:99"));
-        for text in ["", "gimp", "tev=", "tev=host", "tev=host:port", "gimp=a:1"] {
-            assert!(text.parse::<Preview>().is_err(), "{text}");
+            assert_eq!(list::<u32, 2>(text), None, "{text}");
         }
     }
 }

@@ -3,9 +3,10 @@
 use crate::math::Vec2;
 use crate::math::distribution::Discrete;
 use glam::FloatExt;
+use serde::Serialize;
 
 /// A separable reconstruction filter. Radii in pixels.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub enum Filter {
     /// Constant over `radius`.
     Box {

@@ -25,7 +25,7 @@ impl DirectionSplit {
     /// For a path that has just come to a vertex.
     #[inline]
     pub fn decide(settings: &PathSettings, vertex: &Vertex, path: &GuidedPath) -> Self {
-        let asks = settings.roulette == Roulette::Field;
+        let asks = settings.guided.roulette == Roulette::Field;
         let reflected = vertex.guided.filter(|_| asks).and_then(|g| g.reflected());
         let Some(reflected) = reflected else {
             return Self {
@@ -125,7 +125,7 @@ impl GuidedDeparture<'_, '_> {
             return None;
         }
         path.base.eta *= sample.eta;
-        let by_field = guided.is_some() && settings.roulette == Roulette::Field;
+        let by_field = guided.is_some() && settings.guided.roulette == Roulette::Field;
         // What the field expects comes by the smooth lobes.
         let expected = self.split.expected.filter(|_| lobe.is_none());
         let survival = match expected {

@@ -74,4 +74,4 @@ pub mod wave;
 mod tests;
 
 pub use context::{PathContext, View};
-pub use settings::{PathSettings, Roulette};
+pub use settings::{GuidedSettings, PathSettings, Roulette};

@@ -2,6 +2,7 @@
 
 use crate::math::PathSampler;
 use crate::scene::description::SamplerKind;
+use serde::Serialize;
 
 /// How paths are traced.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,17 +12,8 @@ pub struct PathSettings {
     pub max_depth: u32,
     /// Russian roulette starts at this depth.
     pub rr_depth: u32,
-    /// What roulette goes by where a field guides.
-    pub roulette: Roulette,
-    /// How many paths share what they find behind their first rough vertices, where a field guides
-    /// (see [`super::reuse`]); 1: none do.
-    pub reuse: u32,
-    /// Where a field guides, suns and lamps behind mirrors and glass are sampled, too (see
-    /// [`super::manifold`]), as often as that pays.
-    pub manifold: bool,
-    /// Where a field is learned from the image's first samples, the later ones are spread by noise
-    /// (see [`super::adaptive`]).
-    pub adaptive: bool,
+    /// What is done beside where a field guides.
+    pub guided: GuidedSettings,
     /// The camera itself does not see emitters.
     pub hide_emitters: bool,
     /// Drop light that crosses a surface by its shading normal only.
@@ -43,8 +35,36 @@ impl PathSettings {
     }
 }
 
+/// How paths are traced where a field guides them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GuidedSettings {
+    /// What roulette goes by.
+    pub roulette: Roulette,
+    /// How many paths share what they find behind their first rough vertices (see
+    /// [`super::reuse`]); 1: none do.
+    pub reuse: u32,
+    /// Suns and lamps behind mirrors and glass are sampled, too (see [`super::manifold`]), as often
+    /// as that pays.
+    pub manifold: bool,
+    /// Where a field is learned from the image's first samples, the later ones are spread by noise
+    /// (see [`super::adaptive`]).
+    pub adaptive: bool,
+}
+
+impl GuidedSettings {
+    /// The field gives directions and ends paths, and each path is for itself: as fields are learned
+    /// and looked at.
+    pub const PLAIN: Self = Self {
+        roulette: Roulette::Field,
+        reuse: 1,
+        manifold: false,
+        adaptive: false,
+    };
+}
+
 /// What the chance of a guided path to go on is decided by.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Roulette {
     /// What the field expects the path to bring.
     #[default]

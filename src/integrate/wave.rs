@@ -102,7 +102,11 @@ impl Wave {
     ) -> Option<Outcomes<'_>> {
         let before = self.rays_traced;
         let guided = context.guide.is_some();
-        let most = if guided { context.settings.reuse } else { 1 };
+        let most = if guided {
+            context.settings.guided.reuse
+        } else {
+            1
+        };
         let mut pool = PrefixPool::new(most, self.radiances.len());
         if !self.run(context, observer, &mut pool, gives_up) {
             return None;

@@ -5,10 +5,11 @@ use super::words;
 use crate::guide;
 use crate::integrate::training::trial::Verdict;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// Measurements of a render. The field names are the keys of the `--stats` file, documented in
 /// [`manual::stats`](crate::manual::stats); times are wall-clock seconds, memory is in bytes.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Stats {
     /// Version of the program.
     pub version: String,
@@ -20,6 +21,8 @@ pub struct Stats {
     pub height: u32,
     /// Seed of all random numbers.
     pub seed: u64,
+    /// All that shaped the pixels, by the names of the options.
+    pub settings: BTreeMap<String, String>,
     /// Threads.
     pub threads: usize,
     /// The ray tracer, with its version.

@@ -7,6 +7,7 @@ use crate::film::FilmDescription;
 use crate::light::Emitter;
 use crate::math::{DAffine3, DVec3, Vec2, Vec3, Vec4};
 use crate::texture::MeshAttributes;
+use serde::Serialize;
 use std::sync::Arc;
 
 /// A triangle mesh with everything that belongs to its vertices.
@@ -53,7 +54,8 @@ pub struct Shape {
 }
 
 /// Which numbers drive the samples.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum SamplerKind {
     /// Independent random numbers.
     #[default]

@@ -214,7 +214,7 @@ fn a_field_of_another_scene_is_refused_unless_any_will_do() {
     }
     assert_eq!(place.files(), ["f.field", "moved.xml", "scene.xml"]);
     place
-        .run("render moved.xml --field f.field --any-scene --spp 1 -o out.exr")
+        .run("render moved.xml --field any:f.field --spp 1 -o out.exr")
         .ok()
         .says(&["warning: ", "another scene"]);
     // Another size, number of samples or place on the disk is the same scene.
@@ -298,7 +298,7 @@ fn what_is_mistyped_is_named() {
             "render scene.xml --field f.field --guide none",
             ["--guide none", "--field"],
         ),
-        ("render scene.xml --any-scene", ["--field", "required"]),
+        ("render scene.xml --any-scene", ["--any-scene", "any:FILE"]),
         (
             "render scene.xml --guide double --guide-modle vmf",
             ["--guide-modle", "--guide-model"],

@@ -80,7 +80,7 @@ fn pixels_beyond_the_film_are_refused() {
     for (words, part) in [
         ("--pixel 24,0", "24 x 18"),
         ("--pixel 3", "x,y"),
-        ("--sample 4", "--pixel"),
+        ("--sample 4", "--pixel X,Y,SAMPLE"),
     ] {
         place
             .run(&format!("render scene.xml {words}"))

@@ -107,7 +107,7 @@ fn qualities_stop_at_their_noise_and_options_win() {
 
 const PLAN: &str = r#"{
     "base": "--spp 100000",
-    "knobs": {"sampler": ["sobol"], "robust": ["on"]},
+    "knobs": {"sampler": ["sobol"], "strict-normals": ["on"]},
     "combinations": {"broken": "--width 7", "guided": "--guide double --photons 3000 --paths 0"}
 }"#;
 const SWEEP: &str = "sweep scene.xml --reference r.exr --plan plan.json --time 40ms --rounds 2 --budget 1m -o report";
@@ -291,8 +291,8 @@ fn the_page_shows_everything_in_a_browser() {
         assert_eq!(frame["missing"], 0, "{frame}");
         // Reference, slider, and each configuration's image and errors.
         assert!(frame["images"].as_u64() >= Some(7), "{frame}");
-        // The overview and, by pixels and blocks of two sizes, a drawing a knob: robust, sampler,
-        // combinations.
+        // The overview and, by pixels and blocks of two sizes, a drawing a knob: sampler,
+        // strict-normals, combinations.
         assert_eq!(frame["plots"], 1 + 3 * 3, "{frame}");
         assert_eq!(frame["unlabelled"], 0, "{frame}");
         assert_eq!(frame["split"], "20%", "the slider moves");

@@ -11,10 +11,10 @@ use twintree::film::Film;
 use twintree::film::part::PartReader;
 use twintree::guide::Trainer;
 use twintree::image;
-use twintree::integrate::PathSettings;
 use twintree::integrate::View;
 use twintree::integrate::progress::{Limits, Observer, Progress};
 use twintree::integrate::render::render;
+use twintree::integrate::{GuidedSettings, PathSettings};
 use twintree::math::{Rgb, Vec2, Vec3};
 use twintree::scene::import::mesh::{MeshKind, MeshOptions, read};
 use twintree::scene::import::{ImportOptions, mitsuba};
@@ -74,10 +74,7 @@ fn thumbnail(mut description: Description) {
         strict_normals: description.render.strict_normals,
         sampler: description.render.sampler,
         seed: 1,
-        roulette: twintree::integrate::Roulette::Field,
-        reuse: 1,
-        manifold: false,
-        adaptive: false,
+        guided: GuidedSettings::PLAIN,
     };
     let view = View {
         scene: &scene,

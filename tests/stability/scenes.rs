@@ -7,9 +7,9 @@ use twintree::bsdf::Material;
 use twintree::bsdf::material::Conductor;
 use twintree::film::Film;
 use twintree::guide::ModelKind;
-use twintree::integrate::PathSettings;
 use twintree::integrate::guiding::Guide;
 use twintree::integrate::training::{LearnSettings, learn};
+use twintree::integrate::{GuidedSettings, PathSettings};
 use twintree::math::{Affine3A, Vec3};
 use twintree::photon::PhotonSettings;
 use twintree::photon::schedule::Budget;
@@ -123,9 +123,10 @@ pub fn silver(reflectance: f32) -> Material {
 pub fn seed(seed: u64) -> PathSettings {
     PathSettings {
         max_depth: 12,
-        reuse: 32,
-        manifold: false,
-        adaptive: false,
+        guided: GuidedSettings {
+            reuse: 32,
+            ..GuidedSettings::PLAIN
+        },
         seed,
         ..support::settings()
     }

@@ -14,7 +14,7 @@ use twintree::integrate::guiding::{Guidance, Guide};
 use twintree::integrate::progress::{Limits, Observer, Progress, Summary};
 use twintree::integrate::render::render;
 use twintree::integrate::training::LearnSettings;
-use twintree::integrate::{PathSettings, Roulette};
+use twintree::integrate::{GuidedSettings, PathSettings};
 use twintree::light::Emitter;
 use twintree::math::{Affine3A, DAffine3, DVec3, Rgb, Vec3};
 use twintree::photon::PhotonSettings;
@@ -208,10 +208,7 @@ pub fn settings() -> PathSettings {
     PathSettings {
         max_depth: u32::MAX,
         rr_depth: 5,
-        roulette: Roulette::Field,
-        reuse: 1,
-        manifold: false,
-        adaptive: false,
+        guided: GuidedSettings::PLAIN,
         hide_emitters: false,
         strict_normals: false,
         sampler: SamplerKind::Independent,

@@ -1,16 +1,16 @@
 //! `twintree bench`: measurements of parts of the program.
 
+pub mod args;
 mod closed;
 mod rays;
 mod scale;
 mod subject;
 
+use self::args::{Bench, BenchAccelArgs, QUALITIES};
 use self::rays::{Kind, RaySets};
 use self::subject::Subject;
-use super::measure_args::{Bench, BenchAccelArgs, Quality};
-use super::ray_args::Accel;
 use super::{Failure, console, output, targets, threads};
-use crate::accel::{self, Backend, BuildQuality, BuildSettings, Hit, Ray, RayQuery};
+use crate::accel::{self, Backend, BuildSettings, Hit, Ray, RayQuery};
 use crate::report::accel::{AccelBench, Misses, Rates, Tracer};
 use rayon::prelude::*;
 use std::hint::black_box;
@@ -32,12 +32,12 @@ const BATCH: usize = 4096;
 
 /// Builds and traces with every configuration, prints the table.
 fn accel(args: &BenchAccelArgs) -> Result<(), Failure> {
-    if let Some(path) = &args.json {
+    if let Some(path) = &args.rates.json {
         targets::try_target(path)?;
     }
     let subject = Subject::load(&args.scene)?;
-    let sets = RaySets::of(&subject, args.rays)?;
-    let inside = closed::rays_inside(&subject, args.rays as usize);
+    let sets = RaySets::of(&subject, args.rates.rays)?;
+    let inside = closed::rays_inside(&subject, args.rates.rays as usize);
     let mut report = AccelBench {
         version: env!("CARGO_PKG_VERSION").into(),
         scene: args.scene.title(),
@@ -53,7 +53,10 @@ fn accel(args: &BenchAccelArgs) -> Result<(), Failure> {
         let start = Instant::now();
         let tracer = accel::build(subject.world.clone(), settings, None, backend)?;
         let build_seconds = start.elapsed().as_secs_f64();
-        let (quality, mode) = (quality_name(settings.quality), mode_name(settings.robust));
+        let (quality, mode) = (
+            QUALITIES.word(&settings.quality),
+            mode_name(settings.robust),
+        );
         tracing::info!("{}, {quality}, {mode}", tracer.name());
         report.tracers.push(Tracer {
             name: tracer.name(),
@@ -61,27 +64,20 @@ fn accel(args: &BenchAccelArgs) -> Result<(), Failure> {
             mode,
             build_seconds,
             memory_bytes: tracer.memory_bytes() as u64,
-            single: rates(&*tracer, &sets, args.seconds, false),
-            all: rates(&*tracer, &sets, args.seconds, true),
+            single: rates(&*tracer, &sets, args.rates.seconds, false),
+            all: rates(&*tracer, &sets, args.rates.seconds, true),
             misses: inside.misses(&*tracer),
         });
     }
     console::print_result(&report.to_table())?;
-    args.json
-        .as_ref()
-        .map_or(Ok(()), |path| output::write_text(path, &report.to_json()))
+    output::write_if_wanted(args.rates.json.as_deref(), &report.to_json())
 }
 
 /// Every backend, quality and mode. The tree in Rust is always watertight: it has one mode.
 fn configurations(args: &BenchAccelArgs) -> Vec<(Backend, BuildSettings)> {
-    let qualities = [
-        (Quality::Fast, BuildQuality::Fast),
-        (Quality::Balanced, BuildQuality::Balanced),
-        (Quality::High, BuildQuality::High),
-    ];
     let mut list = Vec::new();
-    for backend in backends(&args.accel) {
-        for (_, quality) in qualities.iter().filter(|q| args.quality.contains(&q.0)) {
+    for backend in backends(&args.rates.accel) {
+        for (_, quality, _) in QUALITIES.0.iter().filter(|q| args.quality.contains(&q.1)) {
             for robust in [false, true] {
                 let settings = BuildSettings {
                     quality: *quality,
@@ -100,21 +96,12 @@ fn configurations(args: &BenchAccelArgs) -> Vec<(Backend, BuildSettings)> {
 }
 
 /// The ray tracers that are asked for: all there are if none is named.
-fn backends(named: &[Accel]) -> impl Iterator<Item = Backend> {
-    let asked = |backend: &Backend| match backend {
-        _ if named.is_empty() => *backend != Backend::Embree || cfg!(feature = "embree"),
-        Backend::Embree => named.contains(&Accel::Embree),
-        Backend::Obvhs => named.contains(&Accel::Obvhs),
+fn backends(named: &[Backend]) -> impl Iterator<Item = Backend> {
+    let asked = |backend: &Backend| match named.is_empty() {
+        true => *backend != Backend::Embree || cfg!(feature = "embree"),
+        false => named.contains(backend),
     };
     [Backend::Embree, Backend::Obvhs].into_iter().filter(asked)
-}
-
-fn quality_name(quality: BuildQuality) -> &'static str {
-    match quality {
-        BuildQuality::Fast => "fast",
-        BuildQuality::Balanced => "balanced",
-        BuildQuality::High => "high",
-    }
 }
 
 fn mode_name(robust: bool) -> &'static str {

@@ -5,15 +5,17 @@
 //! the other, and arrays of the mesh's size filled. Loading then looks for triangles without area
 //! and makes the normals that the file does not have.
 
+use super::args::BenchScaleArgs;
 use super::rays::{Kind, RaySets};
 use super::subject::Subject;
 use super::{backends, rate};
 use crate::accel::{self, Backend, BuildSettings, World};
 use crate::cli::budget::{self, Load};
 use crate::cli::load::Input;
-use crate::cli::measure_args::BenchScaleArgs;
+use crate::cli::make::{SHAPES, check_size};
 use crate::cli::ray_args::AccelBuild;
-use crate::cli::{Failure, console, load, make, memory, output, targets, threads};
+use crate::cli::scene_args::{ReadArgs, SceneArgs};
+use crate::cli::{Failure, console, load, memory, output, targets, threads};
 use crate::image::passing::Passing;
 use crate::make::{Pattern, write_ply};
 use crate::report::scale::{ScaleBench, SizeRow, TracerRow};
@@ -36,7 +38,7 @@ const REPEAT_SECONDS: f64 = 0.2;
 /// # Errors
 /// When a directory cannot be written to, or memory does not suffice.
 pub fn run(args: &BenchScaleArgs) -> Result<(), Failure> {
-    for path in [&args.json, &args.svg].into_iter().flatten() {
+    for path in [&args.rates.json, &args.svg].into_iter().flatten() {
         targets::try_target(path)?;
     }
     let make = || match &args.directory {
@@ -51,7 +53,7 @@ pub fn run(args: &BenchScaleArgs) -> Result<(), Failure> {
     })?;
     let mut report = ScaleBench {
         version: env!("CARGO_PKG_VERSION").into(),
-        shape: args.shape(),
+        shape: SHAPES.word(&args.kind).into(),
         threads: threads::count(),
         sizes: Vec::new(),
     };
@@ -61,14 +63,12 @@ pub fn run(args: &BenchScaleArgs) -> Result<(), Failure> {
         tracing::info!("{} of {} triangles", triangles, args.most);
     }
     console::print_result(&report.to_table())?;
-    if let Some(path) = &args.json {
-        output::write_text(path, &report.to_json())?;
-    }
+    output::write_if_wanted(args.rates.json.as_deref(), &report.to_json())?;
     let Some(path) = &args.svg else {
         return Ok(());
     };
     let drawn = scale_plot::draw(&report).map_err(Failure::Refused)?;
-    output::write_text(path, &drawn)
+    output::write_file(path, &drawn)
 }
 
 /// From `least` in steps of [`STEP`], and `most` at the end.
@@ -80,8 +80,8 @@ fn sizes(least: u64, most: u64) -> Vec<u64> {
 }
 
 fn measure(args: &BenchScaleArgs, triangles: u64, file: &Path) -> Result<SizeRow, Failure> {
-    let pattern = Pattern::new(make::kind_of(args.kind), triangles);
-    make::check_size(&pattern)?;
+    let pattern = Pattern::new(args.kind, triangles);
+    check_size(&pattern)?;
     write_ply(&pattern, file).map_err(|e| {
         Failure::refused(
             format!("{} cannot be written: {e}", file.display()),
@@ -89,13 +89,13 @@ fn measure(args: &BenchScaleArgs, triangles: u64, file: &Path) -> Result<SizeRow
         )
     })?;
     let file_bytes = std::fs::metadata(file).map_or(0, |m| m.len());
-    let scene = args.scene_of(file);
+    let scene = SceneArgs::of(file, &ReadArgs::default());
     let input = Input::of(&scene)?;
     let floor_seconds = fastest(|| floor(file, &pattern))?;
     let read_seconds = fastest(|| timed(|| arrays(file)))?;
     let load_seconds = fastest(|| timed(|| load::load_unlit(&scene, &input).map(drop)))?;
     let subject = Subject::load(&scene)?;
-    let sets = RaySets::of(&subject, args.rays)?;
+    let sets = RaySets::of(&subject, args.rates.rays)?;
     let mesh_bytes = subject.geometry_bytes;
     // The tree that told where rays begin makes room for those that are measured.
     let world = subject.world;
@@ -110,7 +110,7 @@ fn measure(args: &BenchScaleArgs, triangles: u64, file: &Path) -> Result<SizeRow
         load_seconds,
         tracers: Vec::new(),
     };
-    for backend in backends(&args.accel) {
+    for backend in backends(&args.rates.accel) {
         let tracer = tracer(args, backend, &world, &sets, row.triangles)?;
         row.tracers.extend(tracer);
     }
@@ -141,7 +141,7 @@ fn tracer(
     let start = Instant::now();
     let tracer = accel::build(world.clone(), settings, None, backend)?;
     let build_seconds = start.elapsed().as_secs_f64();
-    let of = |kind| rate(&*tracer, sets.of_kind(kind), kind, args.seconds, true);
+    let of = |kind| rate(&*tracer, sets.of_kind(kind), kind, args.rates.seconds, true);
     Ok(Some(TracerRow {
         name: tracer.name(),
         build_seconds,

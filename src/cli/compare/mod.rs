@@ -1,9 +1,10 @@
 //! `twintree compare`: how far images are from a reference.
 
+pub mod args;
 mod drawings;
 
+use self::args::{CompareArgs, LimitArgs};
 use self::drawings::Drawings;
-use super::measure_args::{CompareArgs, LimitArgs};
 use super::{Failure, console, output, targets};
 use crate::image::file::ImageFile;
 use crate::image::metrics::blocks::KnownNoise;
@@ -51,9 +52,7 @@ pub fn run(args: &CompareArgs) -> Result<(), Failure> {
     }
     console::print_result(&report.to_table())?;
     warn_of_numbers(&report);
-    if let Some(path) = &args.json {
-        output::write_text(path, &report.to_json())?;
-    }
+    output::write_if_wanted(args.json.as_deref(), &report.to_json())?;
     drawings.map_or(Ok(()), Drawings::finish)?;
     if report.passed.is_empty() {
         return Ok(());

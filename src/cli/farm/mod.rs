@@ -7,6 +7,7 @@
 //! go on from a checkpoint when they are started once more, and end at once if their part is there
 //! already.
 
+pub mod args;
 mod k8s;
 mod openjd;
 mod plan;
@@ -15,9 +16,9 @@ mod slurm;
 mod tests;
 mod words;
 
+use self::args::{FarmArgs, Queue};
 use self::plan::Plan;
 pub(crate) use self::plan::quote;
-use super::part_args::{FarmArgs, Queue};
 use super::{Failure, console};
 
 /// Prints the job file. `threads` is what `-j` said before the scene.

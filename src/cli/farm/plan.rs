@@ -1,8 +1,8 @@
 //! What all queues are to run.
 
+use super::args::FarmArgs;
 use super::words::{self, Words};
 use crate::cli::Failure;
-use crate::cli::part_args::FarmArgs;
 use std::path::Path;
 
 /// An image cut into jobs. Names of files are as they were typed: jobs run in the same directory.

@@ -1,9 +1,9 @@
 //! Words go where they belong, and every shell command means what was typed.
 
+use super::args::FarmArgs;
 use super::plan::{Plan, quote};
 use super::words::{Words, sort};
 use crate::cli::args::{Cli, Command};
-use crate::cli::part_args::FarmArgs;
 use clap::Parser;
 
 fn typed(line: &str) -> Vec<String> {
@@ -44,9 +44,9 @@ fn words_are_sorted_by_who_needs_them() {
         threads: Some("3".into()),
     };
     assert_eq!(by_order(words), by_order(expected));
-    let kept = sort(&typed("room.xml --field a.field --any-scene")).unwrap();
+    let kept = sort(&typed("room.xml --field any:a.field")).unwrap();
     assert_eq!(kept.train, None);
-    assert_eq!(kept.render, typed("--field a.field --any-scene"));
+    assert_eq!(kept.render, typed("--field any:a.field"));
 }
 
 /// What is sorted and put together again says what was said: clap itself is the judge.
@@ -73,7 +73,10 @@ fn commands_of_shards_and_merge_parse_back() {
         render.files.output,
         [std::path::PathBuf::from("a.exr.parts/1-of-3.exr")]
     );
-    assert_eq!((render.stop.spp, render.picture.width), (Some(9), Some(40)));
+    assert_eq!(
+        (render.stop.spp, render.picture.size.width),
+        (Some(9), Some(40))
+    );
     assert!(render.parts.resume && render.parts.checkpoint.is_some());
     let merge = Cli::try_parse_from(as_typed(&plan.merge())).unwrap();
     let Command::Merge(merge) = merge.command else {

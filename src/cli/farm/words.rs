@@ -3,7 +3,8 @@
 
 use crate::cli::Failure;
 use crate::cli::args::Cli;
-use crate::cli::field_args::Guide;
+use crate::cli::guide_args::{Guide, LearnArgs};
+use crate::cli::help::options_of;
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, CommandFactory};
 
@@ -117,8 +118,7 @@ pub fn sort(words: &[String]) -> Result<Words, Failure> {
                     train.extend(words.iter().cloned());
                 }
                 // How to learn is nothing to a shard that gets a field.
-                let learning = arg.get_help_heading() == Some("Guiding");
-                if !(learns && teaches && learning) {
+                if !(learns && options_of::<LearnArgs>().contains(arg)) {
                     sorted.render.extend(words);
                 }
             }

@@ -5,6 +5,7 @@
 //! each run `report.json` is there to go on from; at the end, or when Ctrl-C or the budget ends it,
 //! the page is written from it ([`crate::report::sweep`]).
 
+pub mod args;
 mod child;
 mod machine;
 mod plan;
@@ -12,18 +13,18 @@ mod runs;
 mod schedule;
 mod state;
 
+use self::args::SweepArgs;
 use self::child::Outcome;
 use self::plan::SceneTraits;
 use self::runs::{Ended, Watch, go_through};
 use self::schedule::{file, order, words_of};
 use super::load::Input;
-use super::sweep_args::{ClockBy, SweepArgs};
 use super::waiting::Waiting;
 use super::{Failure, console, load, output, targets};
 use crate::image::Image;
 use crate::report::sweep::analysis::Findings;
 use crate::report::sweep::pictures::Pictures;
-use crate::report::sweep::{Clock, Reference, Setting, Sweep};
+use crate::report::sweep::{Reference, Setting, Sweep};
 use crate::report::words;
 use std::time::{Duration, Instant};
 
@@ -61,10 +62,7 @@ pub fn run(args: &SweepArgs, threads: Option<u16>, watch: Watch) -> Result<(), F
         scene_fingerprint: format!("{:016x}", subject.fingerprint),
         reference: reference(args, &subject)?,
         common,
-        clock: match args.clock {
-            ClockBy::Wall => Clock::Wall,
-            ClockBy::Processors => Clock::Processors,
-        },
+        clock: args.clock,
         seconds: args.time.map_or(0.0, |t| t.as_secs_f64()),
         rounds: args.rounds,
         configurations,
@@ -142,11 +140,11 @@ fn reference(args: &SweepArgs, subject: &Subject) -> Result<Reference, Failure> 
 /// The words of every run. The reference decides about the size, unless the command line does.
 fn common_words(args: &SweepArgs, subject: &Subject, threads: Option<u16>) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
-    for definition in &args.scene.define {
+    for definition in &args.scene.read.define {
         words.push("-D".into());
         words.push(format!("{}={}", definition.name, definition.value));
     }
-    if args.scene.lenient {
+    if args.scene.read.lenient {
         words.push("--lenient".into());
     }
     let size = (subject.reference.width, subject.reference.height);
@@ -276,8 +274,8 @@ fn write_page(sweep: &Sweep, args: &SweepArgs, subject: &Subject) -> Result<(), 
     );
     let page = crate::report::sweep::page::page(sweep, &findings, &pictures);
     let path = args.output.join("index.html");
-    output::write_text(&path, &page)?;
-    output::write_text(&args.output.join("report.json"), &sweep.to_json(&findings))?;
+    output::write_file(&path, &page)?;
+    output::write_file(&args.output.join("report.json"), &sweep.to_json(&findings))?;
     tracing::info!("wrote {}", path.display());
     console::print_result(&(crate::report::sweep::page::conclusion(sweep, &findings) + "\n"))?;
     Ok(())

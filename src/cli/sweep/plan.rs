@@ -6,11 +6,8 @@
 
 use crate::cli::Failure;
 use crate::cli::args::Cli;
-use crate::cli::field_args::{Guide, GuideModel, Manifold, RouletteBy, Teachers, Trial};
-use crate::cli::light_args::Sampler;
-use crate::cli::ray_args::{Accel, AccelBuild};
 use crate::report::sweep::Configuration;
-use clap::{Parser, ValueEnum};
+use clap::{CommandFactory, Parser};
 use serde::Deserialize;
 use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
@@ -50,7 +47,7 @@ pub fn read(path: &Path) -> Result<Vec<Configuration>, Failure> {
     let name = path.display();
     let text = crate::image::regular::read_to_string(path)
         .map_err(|e| Failure::Wrong(format!("{name} cannot be read: {e}")))?;
-    let help = r#"write something like {"base": "--guide double", "knobs": {"photons": ["100000"], "robust": ["on"]}, "combinations": {"plain": "--guide none"}}"#;
+    let help = r#"write something like {"base": "--guide double", "knobs": {"photons": ["100000"], "hide-emitters": ["on"]}, "combinations": {"plain": "--guide none"}}"#;
     let file: PlanFile =
         serde_json::from_str(&text).map_err(|e| Failure::wrong(format!("{name}: {e}"), help))?;
     let mut plan = Draft::new(&file.base);
@@ -66,7 +63,7 @@ pub fn read(path: &Path) -> Result<Vec<Configuration>, Failure> {
 /// The built-in plan.
 pub fn built_in(scene: SceneTraits) -> Vec<Configuration> {
     let mut plan = Draft::new("--guide double");
-    plan.turn_all::<Guide>("guide", &[Guide::Double]);
+    plan.turn_all("guide", "double");
     plan.turn("photons", "50000");
     plan.turn("photons", "2000000");
     plan.turn("paths", "250000");
@@ -75,25 +72,24 @@ pub fn built_in(scene: SceneTraits) -> Vec<Configuration> {
     plan.turn("batches", "12");
     plan.turn("guide-memory", "16M");
     plan.turn("guide-memory", "64M");
-    plan.turn_all("guide-model", &[GuideModel::default()]);
-    plan.turn_all("train", &[Teachers::Both]);
+    plan.turn_all("guide-model", "gauss");
+    plan.turn_all("train", "both");
     plan.turn("mixture", "0.25");
     plan.turn("mixture", "0.5");
     plan.turn("mixture", "0.75");
-    plan.turn_all("roulette", &[RouletteBy::Field]);
+    plan.turn_all("roulette", "field");
     plan.turn("reuse", "1");
     plan.turn("reuse", "8");
-    plan.turn_all("manifold", &[Manifold::Auto]);
-    plan.turn_all("trial", &[Trial::Auto]);
+    plan.turn_all("manifold", "auto");
+    plan.turn_all("trial", "auto");
     // What paths have unless told otherwise.
-    plan.turn_all("sampler", &[Sampler::Sobol]);
+    plan.turn_all("sampler", "sobol");
     if cfg!(feature = "embree") {
-        plan.turn_all("accel", &[Accel::Embree]);
+        plan.turn_all("accel", "embree");
     }
-    plan.turn_all("accel-build", &[AccelBuild::Balanced]);
-    plan.turn("robust", "on");
+    plan.turn_all("accel-build", "balanced");
     if scene.textures {
-        plan.turn("half-textures", "on");
+        plan.turn("texture-memory", "2G:half");
     }
     plan.combine("plain-independent", "--guide none --sampler independent");
     plan.combine(
@@ -131,14 +127,26 @@ impl Draft {
         if value != "on" {
             changed.push(value.into());
         }
-        self.add(format!("{knob}-{value}"), knob, changed);
+        // The name is one for files, too.
+        let name = format!("{knob}-{}", value.replace(':', "-"));
+        self.add(name, knob, changed);
     }
 
-    /// The same for every value of an option but those of the base.
-    fn turn_all<T: ValueEnum + PartialEq>(&mut self, knob: &str, but: &[T]) {
-        let others = T::value_variants().iter().filter(|v| !but.contains(v));
-        let names: Vec<_> = others.filter_map(ValueEnum::to_possible_value).collect();
-        names.iter().for_each(|v| self.turn(knob, v.get_name()));
+    /// The same for every value of an option but that of the base.
+    fn turn_all(&mut self, knob: &str, base: &str) {
+        let command = Cli::command();
+        let mut render = command
+            .get_subcommands()
+            .filter(|c| c.get_name() == "render");
+        let options = render
+            .next()
+            .into_iter()
+            .flat_map(clap::Command::get_arguments);
+        let options = options.filter(|option| option.get_long() == Some(knob));
+        let values = options.flat_map(clap::Arg::get_possible_values);
+        for value in values.filter(|value| value.get_name() != base) {
+            self.turn(knob, value.get_name());
+        }
     }
 
     fn combine(&mut self, name: &str, options: &str) {
@@ -216,14 +224,14 @@ mod tests {
 
     #[test]
     fn a_knob_replaces_the_option_of_the_base_with_its_value() {
-        let base = words("--guide double --robust --photons 5");
+        let base = words("--guide double --strict-normals --photons 5");
         assert_eq!(
             merged(&base, words("--guide none")),
-            words("--robust --photons 5 --guide none")
+            words("--strict-normals --photons 5 --guide none")
         );
         assert_eq!(
-            merged(&base, words("--robust")),
-            words("--guide double --photons 5 --robust")
+            merged(&base, words("--strict-normals")),
+            words("--guide double --photons 5 --strict-normals")
         );
     }
 

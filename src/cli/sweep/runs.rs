@@ -1,12 +1,12 @@
 //! The runs of a sweep, one after the other, within its budget.
 
+use super::args::SweepArgs;
 use super::child::{self, Outcome};
 use super::schedule::{file, order, words_of};
 use super::state;
 use crate::cli::Failure;
 use crate::cli::console::Console;
 use crate::cli::interrupt::Interrupt;
-use crate::cli::sweep_args::SweepArgs;
 use crate::cli::waiting::Waiting;
 use crate::report::sweep::{Configuration, Run, Sweep};
 use crate::report::words;

@@ -1,6 +1,6 @@
 //! The order of a sweep's runs, and the words and files of each.
 
-use crate::cli::sweep_args::SweepArgs;
+use super::args::SweepArgs;
 use crate::report::sweep::{Configuration, Setting};
 use std::path::PathBuf;
 

@@ -1,11 +1,15 @@
 //! What can be typed for `twintree table1`.
 
-use crate::cli::field_args::PATHS;
+use crate::cli::choice::{Choice, choice};
+use crate::cli::guide_args::PATHS;
 use crate::cli::light_args::LightArgs;
-use crate::cli::ray_args::Accel;
-use crate::cli::values::{self, Definition};
+use crate::cli::picture_args::MAX_SIDE;
+use crate::cli::ray_args::RayArgs;
+use crate::cli::scene_args::ReadArgs;
+use crate::cli::values;
+use crate::guide::ModelKind;
 use crate::integrate::reuse;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use std::path::PathBuf;
 
 /// Arguments of `twintree table1`.
@@ -14,20 +18,11 @@ pub struct Table1Args {
     /// Scene file; can be given often [default: scenes/pool/pool.xml and scenes/door/door.xml]
     #[arg(long = "scene", value_name = "FILE", help_heading = "Scene")]
     pub scenes: Vec<PathBuf>,
-    /// Value of a $key in the scenes; can be given often
-    #[arg(
-        short = 'D',
-        long = "define",
-        value_name = "KEY=VALUE",
-        help_heading = "Scene"
-    )]
-    pub define: Vec<Definition>,
-    /// Put something plain in the place of what is not supported, with a warning, instead of giving
-    /// up
-    #[arg(long, help_heading = "Scene")]
-    pub lenient: bool,
+    /// How the scenes are read.
+    #[command(flatten)]
+    pub read: ReadArgs,
     /// Width in pixels; the height follows the scene's proportions
-    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=crate::cli::picture_args::MAX_SIDE), help_heading = "Picture")]
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=MAX_SIDE), help_heading = "Picture")]
     pub width: Option<u32>,
     /// Samples a pixel
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u64).range(1..=1 << 32), help_heading = "Picture")]
@@ -38,6 +33,7 @@ pub struct Table1Args {
         value_name = "NAMES",
         value_delimiter = ',',
         default_value = "none,gmm,double,double-vmf,double-gauss,double-render",
+        value_parser = METHODS,
         help_heading = "Guiding"
     )]
     pub methods: Vec<Method>,
@@ -54,12 +50,7 @@ pub struct Table1Args {
     #[arg(long, value_name = "BYTES", default_value = "256M", value_parser = values::bytes, help_heading = "Guiding")]
     pub gmm_memory: usize,
     /// Camera paths that teach the field of double-render, as in "twintree render"
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = PATHS,
-        help_heading = "Guiding"
-    )]
+    #[arg(long, value_name = "N", default_value_t = PATHS, help_heading = "Guiding")]
     pub paths: u64,
     /// How many pixels' paths share what they find, with every method that guides, as in "twintree
     /// render"; 1: each is for itself, as in the paper
@@ -93,39 +84,37 @@ pub struct Table1Args {
     /// Light transport.
     #[command(flatten)]
     pub light: LightArgs,
-    /// Ray tracer [default: embree, where it was compiled in]
-    #[arg(long, value_name = "NAME", help_heading = "Machine")]
-    pub accel: Option<Accel>,
+    /// Ray tracer.
+    #[command(flatten)]
+    pub rays: RayArgs,
 }
 
-/// What is compared.
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
+/// Methods that are compared.
+pub const METHODS: Choice<Method> = choice! {
     /// Plain path tracing
-    None,
+    "none" => Method::None,
     /// Cached Gaussian mixtures (Vorba et al. 2014)
-    Gmm,
+    "gmm" => Method::Gmm,
     /// The double hierarchy with constants
-    Double,
+    "double" => Method::Double(ModelKind::Constant),
     /// The double hierarchy with von Mises-Fisher lobes
-    DoubleVmf,
+    "double-vmf" => Method::Double(ModelKind::Vmf),
     /// The double hierarchy with Gaussian mixtures
-    DoubleGauss,
+    "double-gauss" => Method::Double(ModelKind::Gauss),
     /// The same as "twintree render --guide double" has it: it takes as many of the photons as the
     /// image is worth, and learns from the image's own first samples
-    DoubleRender,
-}
+    "double-render" => Method::DoubleRender,
+};
 
-impl Method {
-    /// Its name, as it is typed.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Gmm => "gmm",
-            Self::Double => "double",
-            Self::DoubleVmf => "double-vmf",
-            Self::DoubleGauss => "double-gauss",
-            Self::DoubleRender => "double-render",
-        }
-    }
+/// A method.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// Without a field.
+    None,
+    /// Mixtures.
+    Gmm,
+    /// A double hierarchy of that model, learned before rendering.
+    Double(ModelKind),
+    /// A double hierarchy as a render learns it.
+    DoubleRender,
 }

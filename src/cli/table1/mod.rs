@@ -10,7 +10,7 @@ pub mod args;
 mod reference;
 mod subject;
 
-use self::args::{Method, Table1Args};
+use self::args::{METHODS, Method, Table1Args};
 use self::subject::{Run, Subject};
 use super::{Failure, console, output, targets, threads};
 use crate::image::metrics::{Pair, errors::Errors, ssim};
@@ -52,9 +52,7 @@ pub fn run(args: &Table1Args) -> Result<(), Failure> {
         report.scenes.push(measure(args, scene, given)?);
     }
     console::print_result(&report.to_table())?;
-    args.json
-        .as_ref()
-        .map_or(Ok(()), |path| output::write_text(path, &report.to_json()))
+    output::write_if_wanted(args.json.as_deref(), &report.to_json())
 }
 
 /// The scenes asked for, or the paper's.
@@ -101,14 +99,14 @@ fn measure(args: &Table1Args, scene: &Path, given: Option<&Path>) -> Result<Scen
                 subject.name(),
                 repeat + 1,
                 args.repeats,
-                method.name(),
+                METHODS.word(method),
                 row.rmse,
                 row.preprocessing_seconds,
                 row.render_seconds
             );
             rows.push(row);
             if repeat + 1 == args.repeats {
-                picture(args, &subject, method.name(), &run.image)?;
+                picture(args, &subject, METHODS.word(method), &run.image)?;
             }
         }
     }
@@ -137,7 +135,7 @@ fn row(
     })?;
     let errors = Errors::of(&pair);
     Ok(Row {
-        method: method.name(),
+        method: METHODS.word(&method),
         l1: errors.l1,
         rmse: errors.rmse(),
         relmse: errors.rel_mse,

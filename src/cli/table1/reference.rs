@@ -1,16 +1,13 @@
 //! Converged images to measure errors against.
 
 use super::args::Table1Args;
-use super::subject::{DOUBLING_BATCHES, Silent, Subject};
+use super::subject::{DOUBLING_BATCHES, Subject, samples};
 use crate::cli::Failure;
-use crate::cli::field_args::PATHS;
-use crate::film::Film;
+use crate::cli::guide_args::PATHS;
 use crate::film::layers::{Layers, Metadata};
 use crate::guide::ModelKind;
 use crate::image::{self, Image, PixelType, WriteOptions};
-use crate::integrate::progress::{Limits, Spent};
-use crate::integrate::render::resume;
-use crate::integrate::training::{LearnSettings, Learner};
+use crate::integrate::training::LearnSettings;
 use crate::report::words;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -44,22 +41,7 @@ pub fn rendered(args: &Table1Args, subject: &Subject) -> Result<(Image, PathBuf)
         paths: PATHS,
         ..subject.learning(&settings, DOUBLING_BATCHES, ModelKind::Constant)
     };
-    let mut learner = Learner::new(&view, &how)?;
-    let mut film = Film::new(film);
-    let limits = Limits {
-        spp,
-        time: None,
-        noise: None,
-    };
-    let learner = Some(&mut learner);
-    resume(
-        &view,
-        learner,
-        &mut film,
-        &limits,
-        Spent::default(),
-        &Silent,
-    );
+    let (film, _) = subject.draw_learning(&view, &how, &samples(spp))?;
     let metadata = Metadata {
         scene: name.to_owned(),
         settings: format!("reference of table1, seed {}", settings.seed),

@@ -3,21 +3,19 @@
 use super::args::{Method, Table1Args};
 use crate::camera::Camera;
 use crate::cli::load::{self, Input, Loaded};
-use crate::cli::ray_args::RayArgs;
+use crate::cli::picture_args::SizeArgs;
 use crate::cli::scene_args::SceneArgs;
 use crate::cli::{Failure, settings};
 use crate::film::layers::{Layers, Metadata};
 use crate::film::{Film, FilmDescription};
 use crate::guide::ModelKind;
 use crate::image::Image;
-use crate::integrate::PathSettings;
-use crate::integrate::View;
 use crate::integrate::guiding::Guidance;
 use crate::integrate::progress::{Limits, Observer, Progress, Spent};
 use crate::integrate::render::{render, resume};
 use crate::integrate::training::mixtures::learn_mixtures;
 use crate::integrate::training::{LearnSettings, Learner};
-use crate::photon::PhotonSettings;
+use crate::integrate::{GuidedSettings, PathSettings, View};
 use crate::photon::schedule::Budget;
 use crate::scene::Scene;
 use std::path::Path;
@@ -58,8 +56,17 @@ pub struct Run {
     pub rendering: Duration,
 }
 
+/// An end after so many samples a pixel.
+pub fn samples(spp: u64) -> Limits {
+    Limits {
+        spp,
+        time: None,
+        noise: None,
+    }
+}
+
 /// Renders without a word.
-pub struct Silent;
+struct Silent;
 
 impl Observer for Silent {
     fn pass_done(&self, _: &Progress, _: &Film) {}
@@ -74,17 +81,18 @@ impl Subject {
     /// # Errors
     /// When it cannot be used, or nothing shines in it.
     pub fn load(args: &Table1Args, path: &Path) -> Result<Self, Failure> {
-        let named = SceneArgs::of(path, &args.define, args.lenient);
+        let named = SceneArgs::of(path, &args.read);
         let mut loaded = load::load(&named, &Input::of(&named)?, None)?;
-        settings::resize(&mut loaded.description.film, args.width, None);
+        let size = SizeArgs {
+            width: args.width,
+            height: None,
+        };
+        settings::resize(&mut loaded.description.film, size);
         let film = &mut loaded.description.film;
         film.crop = None;
         settings::check_memory([0, 0, film.width, film.height])?;
         let fingerprint = loaded.fingerprint()?;
-        let scene = loaded.build(&RayArgs {
-            accel: args.accel,
-            ..RayArgs::default()
-        })?;
+        let scene = loaded.build(&args.rays)?;
         if scene.lights.is_empty() {
             let message = format!(
                 "{}: nothing shines, there is nothing to compare",
@@ -94,14 +102,15 @@ impl Subject {
         }
         let description = &loaded.description;
         let film = &description.film;
+        let guided = GuidedSettings {
+            reuse: args.reuse,
+            ..GuidedSettings::PLAIN
+        };
         let name = path.file_stem().map(|n| n.to_string_lossy().into_owned());
         Ok(Self {
             name: name.unwrap_or_default(),
             camera: Camera::new(&description.camera, film.width, film.height),
-            settings: PathSettings {
-                reuse: args.reuse,
-                ..settings::path_settings(&args.light, &description.render)
-            },
+            settings: settings::path_settings(&args.light, &description.render, guided),
             loaded,
             scene,
             fingerprint,
@@ -128,7 +137,7 @@ impl Subject {
     pub fn identity(&self) -> u64 {
         let settings = PathSettings {
             seed: 0,
-            reuse: 1,
+            guided: GuidedSettings::PLAIN,
             ..self.settings.clone()
         };
         let film = self.film();
@@ -177,14 +186,7 @@ impl Subject {
             trial: true,
             batches,
             memory: self.memory,
-            photon: PhotonSettings {
-                max_bounces: settings
-                    .max_depth
-                    .saturating_sub(2)
-                    .min(settings::UNLIMITED_BOUNCES),
-                roulette_after: settings.rr_depth.saturating_sub(2),
-                seed: settings.seed,
-            },
+            photon: settings::photon_settings(settings),
             model,
         }
     }
@@ -209,15 +211,14 @@ impl Subject {
                 let guide = (&learned.mixtures).into();
                 return Ok(self.draw(&view, Some(guide), bytes, start.elapsed()));
             }
-            Method::Double => ModelKind::Constant,
-            Method::DoubleVmf => ModelKind::Vmf,
-            Method::DoubleGauss => ModelKind::Gauss,
+            Method::Double(model) => model,
             Method::DoubleRender => {
-                let settings = PathSettings {
+                let guided = GuidedSettings {
                     manifold: true,
                     adaptive: true,
-                    ..settings
+                    ..settings.guided
                 };
+                let settings = PathSettings { guided, ..settings };
                 return self.learn_and_draw(&self.view(&settings));
             }
         };
@@ -230,17 +231,14 @@ impl Subject {
 
     /// Learns on the way, from photons as needed and from the image's own first samples.
     fn learn_and_draw(&self, view: &View) -> Result<Run, Failure> {
-        let limits = self.limits();
+        let limits = samples(self.spp);
         let how = LearnSettings {
             photons: settings::photons_as_needed(self.film(), &limits),
             paths: self.paths,
             ..self.learning(view.settings, DOUBLING_BATCHES, ModelKind::Gauss)
         };
         let start = Instant::now();
-        let mut learner = Learner::new(view, &how)?;
-        let mut film = Film::new(self.film());
-        let (taught, spent) = (Some(&mut learner), Spent::default());
-        resume(view, taught, &mut film, &limits, spent, &Silent);
+        let (film, learner) = self.draw_learning(view, &how, &limits)?;
         let preprocessing = learner.elapsed();
         Ok(Run {
             rendering: start.elapsed().saturating_sub(preprocessing),
@@ -251,12 +249,21 @@ impl Subject {
         })
     }
 
-    fn limits(&self) -> Limits {
-        Limits {
-            spp: self.spp,
-            time: None,
-            noise: None,
-        }
+    /// Renders with a field that is learned on the way.
+    ///
+    /// # Errors
+    /// When there is nothing to learn from.
+    pub fn draw_learning(
+        &self,
+        view: &View,
+        how: &LearnSettings,
+        limits: &Limits,
+    ) -> Result<(Film, Learner), Failure> {
+        let mut learner = Learner::new(view, how)?;
+        let mut film = Film::new(self.film());
+        let (taught, spent) = (Some(&mut learner), Spent::default());
+        resume(view, taught, &mut film, limits, spent, &Silent);
+        Ok((film, learner))
     }
 
     fn draw(
@@ -269,7 +276,7 @@ impl Subject {
         let view = View { guide, ..*view };
         let mut film = Film::new(self.film());
         let start = Instant::now();
-        render(&view, &mut film, &self.limits(), &Silent);
+        render(&view, &mut film, &samples(self.spp), &Silent);
         Run {
             rendering: start.elapsed(),
             image: film.image(Layers::NONE, &Metadata::default()),

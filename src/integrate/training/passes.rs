@@ -58,7 +58,7 @@ pub(in crate::integrate) fn train_passes(
             );
             learner.set_manifold_rate(rate);
         }
-        let spreads = job.view.settings.adaptive && from >= adaptive::FIRST;
+        let spreads = job.view.settings.guided.adaptive && from >= adaptive::FIRST;
         let shares = spreads.then(|| told.survey.shares(film, from, &iteration));
         iteration = Iteration::new(from, shares);
         let progress = Progress {
@@ -87,7 +87,7 @@ pub(in crate::integrate) fn train_passes(
 /// Whether another pass is to teach the field, or to tell how to spread the samples to come.
 fn wants_more(job: &Job, learner: &Learner, done: u64, limits: &Limits) -> bool {
     let guides = learner.worthwhile_guide().is_some();
-    let surveys = job.view.settings.adaptive && guides && learner.has_taken_paths();
+    let surveys = job.view.settings.guided.adaptive && guides && learner.has_taken_paths();
     let few = done < adaptive::FEWEST && 2 * adaptive::FEWEST <= limits.spp;
     learner.wants_more() || surveys && few
 }

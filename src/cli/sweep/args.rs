@@ -1,8 +1,10 @@
 //! What can be typed for `twintree sweep`.
 
-use super::scene_args::SceneArgs;
-use super::values;
-use clap::{Args, ValueEnum};
+use crate::cli::choice::{Choice, choice};
+use crate::cli::scene_args::SceneArgs;
+use crate::cli::values;
+use crate::report::sweep::Clock;
+use clap::Args;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -31,8 +33,8 @@ pub struct SweepArgs {
     #[arg(long, value_name = "TIME", value_parser = values::duration)]
     pub time: Option<Duration>,
     /// Time that curves and advice go by
-    #[arg(long, value_name = "NAME", default_value = "wall")]
-    pub clock: ClockBy,
+    #[arg(long, value_name = "NAME", default_value = "wall", value_parser = CLOCKS)]
+    pub clock: Clock,
     /// Try what this file says instead: JSON with "base", "knobs" and "combinations"; --dry-run
     /// shows what that comes to
     #[arg(long, value_name = "FILE")]
@@ -45,11 +47,9 @@ pub struct SweepArgs {
     pub render: Vec<String>,
 }
 
-/// Which time counts.
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ClockBy {
+const CLOCKS: Choice<Clock> = choice! {
     /// What one waits
-    Wall,
+    "wall" => Clock::Wall,
     /// What processors spent, over the threads: on a machine that is busy with other things
-    Processors,
-}
+    "processors" => Clock::Processors,
+};
