@@ -80,7 +80,7 @@ pub(super) fn bounce<'s, S: Scatter<'s>>(
     let base = (*path).as_ref();
     let depth = base.depth;
     let cone_width = base.cone_width + base.cone_spread * hit.t;
-    let Some(met) = scene.surfaces.interaction(ray, hit, cone_width) else {
+    let Some(surface) = scene.surfaces.met(hit) else {
         if depth == 0 {
             first_hits.push(FirstHit::NOTHING);
         }
@@ -88,18 +88,20 @@ pub(super) fn bounce<'s, S: Scatter<'s>>(
         *radiance += from_environment(context, ray, base, weight_after_delta);
         return BounceResult::default();
     };
+    let point = scene.surfaces.point(ray, hit, cone_width);
+    let wo = -ray.dir;
     observer.arrive(base.accumulator, *radiance, hit.t);
-    if met.glows() {
-        *radiance += emitted(context, &met, base, weight_after_delta);
+    if surface.glows() {
+        *radiance += emitted(context, surface, (&point, wo), base, weight_after_delta);
     }
     if depth + 1 >= settings.max_depth && depth > 0 {
         return BounceResult::default();
     }
-    let mut bsdf = scene.surfaces.bsdf(&met);
+    let mut bsdf = scene.surfaces.bsdf(surface, &point, wo);
     if depth == 0 {
         first_hits.push(FirstHit {
             albedo: bsdf.albedo(),
-            normal: met.point.frame.n,
+            normal: point.frame.n,
             depth: hit.t,
         });
         if settings.max_depth < 2 {
@@ -107,9 +109,9 @@ pub(super) fn bounce<'s, S: Scatter<'s>>(
         }
     }
     let at = Arrived {
-        point: &met.point,
+        point: &point,
         bsdf: &mut bsdf,
-        wo: met.wo,
+        wo,
         distance: hit.t,
         radiance: *radiance,
     };

@@ -8,9 +8,10 @@ use super::context::PathContext;
 use super::path::Path;
 use crate::accel::Ray;
 use crate::light::Shining;
-use crate::math::Rgb;
 use crate::math::mis::power_heuristic;
-use crate::scene::interaction::Interaction;
+use crate::math::{Rgb, Vec3};
+use crate::scene::surface::Surface;
+use crate::texture::SurfacePoint;
 
 /// What shines from outside the scene, times throughput and MIS weight.
 #[inline]
@@ -48,7 +49,8 @@ pub(super) fn from_environment(
 #[inline]
 pub(super) fn emitted(
     context: &PathContext,
-    at: &Interaction,
+    surface: &Surface,
+    (point, wo): (&SurfacePoint, Vec3),
     path: &Path,
     weight_after_delta: impl FnOnce(Shining) -> f32,
 ) -> Rgb {
@@ -58,11 +60,11 @@ pub(super) fn emitted(
     if path.depth == 0 && settings.hide_emitters {
         return Rgb::ZERO;
     }
-    let radiance = scene.emitted(at);
+    let radiance = scene.emitted(surface, point, wo);
     if radiance == Rgb::ZERO {
         return Rgb::ZERO;
     }
-    let (emitter, point) = (at.surface.emitter, &at.point);
+    let emitter = surface.emitter;
     let weight = if path.pdf.is_finite() {
         let (from, n) = (path.from, path.from_normal);
         let lights = &scene.lights;

@@ -6,7 +6,6 @@ use crate::bsdf::{LobeFlags, Transport};
 use crate::math::offset::offset_sampled;
 use crate::math::{PathSampler, Rgb, Vec2, Vec3};
 use crate::scene::Scene;
-use crate::scene::interaction::Interaction;
 use crate::scene::wavefront::Wavefront;
 
 /// A photon survives roulette at most this often, so that photons between mirrors end.
@@ -94,9 +93,10 @@ fn scatter(
     counts: &mut PhotonCounts,
     land: &mut impl FnMut(Landing),
 ) -> Option<Ray> {
-    let met = scene.surfaces.interaction(ray, hit, 0.0)?;
-    let bsdf = scene.surfaces.bsdf(&met);
-    let Interaction { point, wo, .. } = met;
+    let surface = scene.surfaces.met(hit)?;
+    let point = scene.surfaces.point(ray, hit, 0.0);
+    let wo = -ray.dir;
+    let bsdf = scene.surfaces.bsdf(surface, &point, wo);
     flight.travelled += hit.t;
     if bsdf.flags().has(LobeFlags::SMOOTH) {
         counts.landings += 1;

@@ -19,34 +19,45 @@ pub struct Interaction<'s> {
 }
 
 impl Surfaces {
-    /// The point where `ray` met something; `None` where it left the scene. `footprint` is the
-    /// width of the ray's cone there.
+    /// The surface that a ray met; `None` where it left the scene.
     #[inline(always)]
+    pub fn met(&self, hit: &Hit) -> Option<&Surface> {
+        hit.is_some().then(|| &self.list[hit.shape as usize])
+    }
+
+    /// How a surface scatters at a point, as seen from `wo`.
+    #[inline(always)]
+    pub fn bsdf(&self, surface: &Surface, point: &SurfacePoint, wo: Vec3) -> Bsdf {
+        self.materials.resolve(surface.material, point, wo)
+    }
+
+    /// All of where `ray` met something; `None` where it left the scene. `footprint` is the width
+    /// of the ray's cone there.
+    ///
+    /// Loops over many rays ask for surface, point and BSDF one by one: the point would be copied
+    /// into the interaction, and waited for as it was just written (0.05 of the time of a Cornell
+    /// box).
     pub fn interaction(&self, ray: &Ray, hit: &Hit, footprint: f32) -> Option<Interaction<'_>> {
-        // No closure: it would be a function of its own, and the point handed over in memory.
-        if !hit.is_some() {
-            return None;
-        }
         Some(Interaction {
-            surface: &self.list[hit.shape as usize],
+            surface: self.met(hit)?,
             point: self.point(ray, hit, footprint),
             wo: -ray.dir,
         })
     }
+}
 
-    /// How the surface scatters there.
+impl Surface {
+    /// Whether it carries an emitter.
     #[inline(always)]
-    pub fn bsdf(&self, at: &Interaction) -> Bsdf {
-        self.materials
-            .resolve(at.surface.material, &at.point, at.wo)
+    pub fn glows(&self) -> bool {
+        self.emitter != DARK
     }
 }
 
 impl Interaction<'_> {
-    /// Whether the surface carries an emitter.
-    #[inline(always)]
-    pub fn glows(&self) -> bool {
-        self.surface.emitter != DARK
+    /// How the surface scatters.
+    pub fn bsdf(&self, surfaces: &Surfaces) -> Bsdf {
+        surfaces.bsdf(self.surface, &self.point, self.wo)
     }
 }
 
@@ -66,23 +77,23 @@ impl Scene {
         blocked[0]
     }
 
-    /// Radiance that a surface sends back along a ray that met it.
+    /// Radiance that a surface sends along `wo` from a point where a ray met it.
     ///
     /// Opacity is no matter of what a surface emits (Mitsuba's meaning). Rays meet it by the chance
     /// of its opacity, so what they find there is worth more; light samples need no such chance.
     #[inline]
-    pub fn emitted(&self, at: &Interaction) -> Rgb {
-        let radiance = self.lights.emitted(at.surface.emitter, &at.point, at.wo);
+    pub fn emitted(&self, surface: &Surface, point: &SurfacePoint, wo: Vec3) -> Rgb {
+        let radiance = self.lights.emitted(surface.emitter, point, wo);
         let materials = &self.surfaces.materials;
-        if !materials.is_masked(at.surface.material) {
+        if !materials.is_masked(surface.material) {
             return radiance;
         }
         // As the ray tracer asked for it.
         let finest = SurfacePoint {
             footprint: 0.0,
-            ..at.point
+            ..*point
         };
-        let opacity = materials.opacity(at.surface.material, &finest);
+        let opacity = materials.opacity(surface.material, &finest);
         if opacity > 0.0 {
             radiance / opacity
         } else {

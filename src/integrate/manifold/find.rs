@@ -191,7 +191,7 @@ impl Light<'_> {
         flown: &mut Vec<Flown>,
     ) -> Option<Ray> {
         let met = scene.surfaces.interaction(ray, hit, 0.0)?;
-        let bsdf = scene.surfaces.bsdf(&met);
+        let bsdf = met.bsdf(&scene.surfaces);
         let Interaction { point, wo, .. } = met;
         if is_guidable(&bsdf) && !flight.chain.is_empty() {
             let landed = Landed {

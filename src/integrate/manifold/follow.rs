@@ -127,17 +127,18 @@ fn pass(scene: &Scene, arrived: Arrived, hit: &Hit, kind: u32, strict: bool) -> 
         ..
     } = arrived;
     cone.grow(hit.t);
-    let met = scene.surfaces.interaction(&ray, hit, cone.width)?;
-    let sample = lobe(&scene.surfaces.bsdf(&met), met.wo, kind)?;
-    let point = &met.point;
-    if strict && normals_disagree(point.normals(), [sample.wi, met.wo]) {
+    let surface = scene.surfaces.met(hit)?;
+    let point = scene.surfaces.point(&ray, hit, cone.width);
+    let wo = -ray.dir;
+    let sample = lobe(&scene.surfaces.bsdf(surface, &point, wo), wo, kind)?;
+    if strict && normals_disagree(point.normals(), [sample.wi, wo]) {
         return None;
     }
     Some(Arrived {
         ray: point.spawn_ray(sample.wi),
         weight: arrived.weight * sample.weight,
         cone,
-        pencil: pencil.and_then(|p| p.pass(scene, (&ray, hit), point, &sample)),
+        pencil: pencil.and_then(|p| p.pass(scene, (&ray, hit), &point, &sample)),
     })
 }
 

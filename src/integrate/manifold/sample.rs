@@ -123,7 +123,10 @@ fn shining(scene: &Scene, caustic_emitter: &CausticEmitter, arrived: &Arrived) -
     }
     let hit = scene.first_hit(&ray);
     cone.grow(hit.t);
-    let met = scene.surfaces.interaction(&ray, &hit, cone.width)?;
-    let shines = caustic_emitter.is(Shining::Shape(met.surface.emitter));
-    shines.then(|| scene.emitted(&met))
+    let surface = scene.surfaces.met(&hit)?;
+    if !caustic_emitter.is(Shining::Shape(surface.emitter)) {
+        return None;
+    }
+    let point = scene.surfaces.point(&ray, &hit, cone.width);
+    Some(scene.emitted(surface, &point, -ray.dir))
 }

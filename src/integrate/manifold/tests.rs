@@ -135,7 +135,7 @@ fn met<'s>(scene: &'s Scene, ray: &Ray) -> Interaction<'s> {
 fn on_floor(scene: &Scene, x: f32, z: f32) -> Receiver {
     let ray = Ray::new(Vec3::new(x, 0.5, z), -Vec3::Y);
     let met = met(scene, &ray);
-    Receiver::new(&met.point, &scene.surfaces.bsdf(&met), Vec3::Y)
+    Receiver::new(&met.point, &met.bsdf(&scene.surfaces), Vec3::Y)
 }
 
 /// The sun's image in a cylinder is as far away as the sun for who moves along it, and close behind
