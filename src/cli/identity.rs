@@ -3,7 +3,7 @@
 //! Every option of `render` is in it under its name, so that the refusal of a part that does not fit
 //! can say what differs. What shapes no pixel (threads, file names, everything about how the image
 //! is written) says so where it is defined, with `#[serde(skip)]` in
-//! [`RenderArgs`](super::render_args::RenderArgs): an option that nobody thought of is part of the
+//! [`RenderArgs`]: an option that nobody thought of is part of the
 //! identity.
 
 use super::guide_args::Guide;
@@ -19,6 +19,7 @@ use crate::photon::schedule::Budget;
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
+use std::fmt::Debug;
 
 /// Fingerprints of what a render reads.
 #[derive(Clone, Copy, Debug)]
@@ -115,8 +116,10 @@ fn in_effect(args: &RenderArgs, view: &View) -> Value {
 }
 
 /// Options with their values as text; without those that have none.
-fn options(of: &impl Serialize) -> BTreeMap<String, String> {
-    let Ok(Value::Object(fields)) = serde_json::to_value(of) else {
+fn options(of: &(impl Serialize + Debug)) -> BTreeMap<String, String> {
+    // What cannot be told one by one is told as a whole.
+    let whole = |_| json!({ "options": format!("{of:?}") });
+    let Value::Object(fields) = serde_json::to_value(of).unwrap_or_else(whole) else {
         return BTreeMap::new();
     };
     let option = |(name, value): (String, Value)| {
@@ -167,4 +170,36 @@ pub fn film(args: &RenderArgs, description: &FilmDescription) -> Result<Film, Fa
         ),
         format!("render at most {tiles} shards"),
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::args::{Cli, Command};
+    use super::*;
+    use clap::{CommandFactory, Parser};
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn what_shapes_pixels_is_told_by_the_names_of_the_options() {
+        let Command::Render(args) = Cli::parse_from(["twintree", "render", "a.xml"]).command else {
+            panic!("another command");
+        };
+        let Value::Object(fields) = serde_json::to_value(&*args).unwrap() else {
+            panic!("no fields");
+        };
+        let told: BTreeSet<String> = fields.keys().map(|name| name.replace('_', "-")).collect();
+        let command = Cli::command();
+        let render = command.find_subcommand("render").unwrap();
+        let options: BTreeSet<String> = render
+            .get_arguments()
+            .filter_map(|arg| arg.get_long().map(str::to_owned))
+            .collect();
+        assert!(told.is_subset(&options), "{told:?}");
+        // All that is left out: a new option is told, unless it is put here, too.
+        let left_out: Vec<_> = options.difference(&told).map(String::as_str).collect();
+        let expected = "accel aov camera checkpoint compression define envmap exposure field format fov \
+                        ground lenient limit-decoded look-at material noise output pixel preview \
+                        quality reference resume shard sky spp stats strict time up";
+        assert_eq!(left_out.join(" "), expected);
+    }
 }

@@ -275,7 +275,7 @@ fn write_page(sweep: &Sweep, args: &SweepArgs, subject: &Subject) -> Result<(), 
     let page = crate::report::sweep::page::page(sweep, &findings, &pictures);
     let path = args.output.join("index.html");
     output::write_file(&path, &page)?;
-    output::write_file(&args.output.join("report.json"), &sweep.to_json(&findings))?;
+    output::write_file(&args.output.join("report.json"), sweep.to_json(&findings))?;
     tracing::info!("wrote {}", path.display());
     console::print_result(&(crate::report::sweep::page::conclusion(sweep, &findings) + "\n"))?;
     Ok(())

@@ -34,8 +34,8 @@ pub fn read(directory: &Path, wanted: &Setting) -> Result<Option<Sweep>, Failure
 /// When the system refuses.
 pub fn write(directory: &Path, sweep: &Sweep) -> Result<(), Failure> {
     let findings = Findings::of(sweep);
-    output::write_file(&directory.join("report.json"), &sweep.to_json(&findings))?;
-    output::write_file(&directory.join("runs.csv"), &sweep.to_csv())
+    output::write_file(&directory.join("report.json"), sweep.to_json(&findings))?;
+    output::write_file(&directory.join("runs.csv"), sweep.to_csv())
 }
 
 /// A sentence for each thing that differs between the report and the command line.

@@ -74,6 +74,8 @@ macro_rules! functions {
 
         $(
             $(#[$attribute])*
+            // C has no other way to pass a rectangle and channels.
+            #[allow(clippy::too_many_arguments)]
             #[inline]
             pub unsafe fn $name($($argument: $type),*) $(-> $result)? {
                 // SAFETY: the caller keeps to what ffi/oiio_shim.h says.
