@@ -63,9 +63,9 @@ fn ctrl_c_ends_paths_without_an_end() {
 }
 
 /// A lamp right before the camera covers the left half of its view, where rendering begins, and is
-/// as good as nothing to the paths of the other half.
+/// as good as nothing to the paths of the other half: one of 10^8 bounces ends there.
 const HALF: &str = r#"<shape type="rectangle">
-    <transform name="to_world"><scale value="0.001"/><translate x="-0.001" z="0.899"/></transform>
+    <transform name="to_world"><scale value="0.0001"/><translate x="-0.0001" z="0.8999"/></transform>
     <bsdf type="diffuse"><rgb name="reflectance" value="0"/></bsdf>
     <emitter type="area"><rgb name="radiance" value="1"/></emitter>
   </shape>"#;
@@ -83,7 +83,10 @@ fn bright_and_black(place: &Place) -> (usize, usize) {
 fn what_has_ended_is_kept_and_nothing_of_the_rest() {
     let scene = ROOM.replace("MORE", HALF);
     let scene = scene.replace("value=\"40\"", "value=\"64\"");
-    let scene = scene.replace("<film", "<float name=\"near_clip\" value=\"0.0001\"/><film");
+    // Out of a sphere nothing escapes. Of a million bounces in a cube one is so near to an edge that
+    // rounding carries it outside, and that path has an end.
+    let scene = scene.replace("\"cube\"", "\"sphere\"");
+    let scene = scene.replace("<film", "<float name=\"near_clip\" value=\"0.00001\"/><film");
     let place = Place::with(&scene);
     place
         .run("render scene.xml -o a.exr --time 2s")

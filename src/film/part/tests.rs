@@ -167,7 +167,8 @@ fn what_is_not_a_part_is_refused_with_a_reason() {
     )
     .unwrap();
     let mut bytes = std::fs::read(&path).unwrap();
-    let (old, new) = (b"\"layout\":3", b"\"layout\":7");
+    let (old, new) = (format!("\"layout\":{LAYOUT}"), b"\"layout\":7");
+    let old = old.as_bytes();
     let places: Vec<usize> = (0..bytes.len() - old.len())
         .filter(|&i| &bytes[i..i + old.len()] == old)
         .collect();
