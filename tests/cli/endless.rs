@@ -86,7 +86,10 @@ fn what_has_ended_is_kept_and_nothing_of_the_rest() {
     // Out of a sphere nothing escapes. Of a million bounces in a cube one is so near to an edge that
     // rounding carries it outside, and that path has an end.
     let scene = scene.replace("\"cube\"", "\"sphere\"");
-    let scene = scene.replace("<film", "<float name=\"near_clip\" value=\"0.00001\"/><film");
+    let scene = scene.replace(
+        "<film",
+        "<float name=\"near_clip\" value=\"0.00001\"/><film",
+    );
     let place = Place::with(&scene);
     place
         .run("render scene.xml -o a.exr --time 2s")
