@@ -219,6 +219,10 @@ impl Found {
         let Some(full) = self.absolute(&if is_relative { own() } else { path.to_vec() }) else {
             return;
         };
+        // `pub(super) use name;` names a macro of the module itself.
+        if full.len() == self.module.len() + 1 && full.starts_with(&self.module) && is_relative {
+            return;
+        }
         if let (true, Some(name)) = (is_public, name) {
             self.exported.insert(name, full.clone());
         }

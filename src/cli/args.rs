@@ -4,6 +4,7 @@
 use super::bench::args::Bench;
 use super::check::CheckArgs;
 use super::compare::args::CompareArgs;
+use super::console::TalkArgs;
 use super::farm::args::FarmArgs;
 use super::field::FieldArgs;
 use super::generate::GenerateArgs;
@@ -15,7 +16,7 @@ use super::render_args::RenderArgs;
 use super::sweep::args::SweepArgs;
 use super::table1::args::Table1Args;
 use super::train::TrainArgs;
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Parser, Subcommand};
 
 /// A physically based renderer that learns where light comes from before it renders.
 #[derive(Parser, Debug)]
@@ -74,29 +75,4 @@ pub enum Command {
     /// Write man pages or shell completions into a directory
     #[command(hide = true)]
     Generate(GenerateArgs),
-}
-
-/// How much to say.
-#[derive(Args, Debug)]
-#[command(next_help_heading = "Messages")]
-pub struct TalkArgs {
-    /// Print errors only
-    #[arg(short, long, global = true)]
-    pub quiet: bool,
-    /// Least important messages that are printed
-    #[arg(long, global = true, value_name = "LEVEL", default_value = "info")]
-    pub log_level: LogLevel,
-}
-
-/// Importance of a message.
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum LogLevel {
-    /// What ends the program.
-    Error,
-    /// What is odd.
-    Warn,
-    /// What is done.
-    Info,
-    /// How it is done.
-    Debug,
 }

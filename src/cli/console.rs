@@ -6,7 +6,7 @@
 //! Standard error may be closed, full, or a terminal that has gone. What cannot be written is lost
 //! then, and nothing else: no render ends because nobody listens.
 
-use super::args::{LogLevel, TalkArgs};
+use clap::{Args, ValueEnum};
 use indicatif::{MultiProgress, ProgressDrawTarget, TermLike};
 use std::fmt::Write as _;
 use std::io::{self, IsTerminal, Write};
@@ -18,6 +18,31 @@ use tracing::{Event, Level, Subscriber};
 use tracing_subscriber::fmt::format::Writer;
 use tracing_subscriber::fmt::{FmtContext, FormatEvent, FormatFields, MakeWriter};
 use tracing_subscriber::registry::LookupSpan;
+
+/// How much to say.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Messages")]
+pub struct TalkArgs {
+    /// Print errors only
+    #[arg(short, long, global = true)]
+    pub quiet: bool,
+    /// Least important messages that are printed
+    #[arg(long, global = true, value_name = "LEVEL", default_value = "info")]
+    pub log_level: LogLevel,
+}
+
+/// Importance of a message.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum LogLevel {
+    /// What ends the program.
+    Error,
+    /// What is odd.
+    Warn,
+    /// What is done.
+    Info,
+    /// How it is done.
+    Debug,
+}
 
 /// Where messages and progress go.
 #[derive(Clone)]

@@ -31,7 +31,7 @@ use std::str::FromStr;
 #[command(next_help_heading = "What to show")]
 pub struct FieldArgs {
     /// Field that "twintree train" made; any:FILE may be that of another scene or camera than --scene
-    #[arg(value_name = "[any:]FIELD", value_parser = field_name())]
+    #[arg(value_name = "[any:]FIELD", value_parser = field_name(), help_heading = None)]
     pub field: FieldName,
     /// Print what is in it: records, nodes, links, depths, bytes. The default, if nothing else is
     /// asked for

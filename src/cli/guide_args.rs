@@ -1,6 +1,7 @@
 //! What can be typed about guiding: by what, and how that is learned.
 
 use super::choice::{Choice, choice};
+use super::help::options_of;
 use super::values;
 use crate::guide::ModelKind;
 use crate::integrate::{Roulette, reuse};
@@ -20,7 +21,8 @@ pub struct GuideArgs {
     pub guide: Option<Guide>,
     /// Guide by a field that "twintree train" made, instead of learning one; any:FILE takes that of
     /// another scene or camera, too: the image has the same mean, but may be noisier
-    #[arg(long, value_name = "[any:]FILE", value_parser = field_name(), conflicts_with = "LearnArgs")]
+    #[arg(long, value_name = "[any:]FILE", value_parser = field_name(),
+          conflicts_with_all = options_of::<LearnArgs>().iter().map(|option| option.get_id().clone()))]
     #[serde(skip)]
     pub field: Option<FieldName>,
     /// How a field is learned.

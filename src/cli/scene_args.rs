@@ -14,7 +14,6 @@ use std::str::FromStr;
 
 /// Which scene, and how to read it. The scene's fingerprint has what comes of most of it.
 #[derive(Args, Debug, Serialize)]
-#[command(next_help_heading = "Machine")]
 pub struct SceneArgs {
     /// Scene file (Mitsuba XML), or models (.ply .obj .stl .gltf .glb), each with steps behind an
     /// @: a.ply@translate=1,0,0;rotate=y,90;scale=2;material=gold;flat;flip
@@ -32,11 +31,16 @@ pub struct SceneArgs {
     /// Memory for texels, such as 512M or 2G: what does not fit is read again when needed. With
     /// :half behind it, as in 2G:half, textures of 32 bits are kept in 16: half the memory, three
     /// digits
-    #[arg(long, value_name = "BYTES[:half]", default_value = "2G")]
+    #[arg(
+        long,
+        value_name = "BYTES[:half]",
+        default_value = "2G",
+        help_heading = "Machine"
+    )]
     pub texture_memory: TextureMemory,
     /// Most memory for an image or mesh file once it is decoded; one that is itself a hundredth of
     /// that passes
-    #[arg(long, value_name = "BYTES", default_value = "1G", value_parser = values::bytes)]
+    #[arg(long, value_name = "BYTES", default_value = "1G", value_parser = values::bytes, help_heading = "Machine")]
     #[serde(skip)]
     pub limit_decoded: usize,
 }
