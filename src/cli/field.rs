@@ -10,6 +10,7 @@ use super::scene_args::{ReadArgs, SceneArgs};
 use super::targets::{check_distinct, named, try_target};
 use super::{Failure, console, output, settings, values};
 use crate::camera::Camera;
+use crate::guide::{FieldFile, LevelShare};
 use crate::image::{Image, WriteOptions};
 use crate::integrate::debug::cells;
 use crate::integrate::debug::probe::{self, LatLong};
@@ -41,14 +42,15 @@ pub struct FieldArgs {
     #[arg(long)]
     pub json: bool,
     /// Draw where light comes from at the point that a pixel sees: left as the field has it, right
-    /// as unguided paths find it
+    /// as unguided paths find it; and print at which levels of space its links hang
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, requires_all = ["scene", "output"])]
     pub pixel: Option<ProbedPixel>,
     /// File for that: directions, the scene's z axis up, as densities, 1 is the mean over the
     /// sphere
     #[arg(short, long, value_name = "FILE", requires = "pixel")]
     pub output: Option<PathBuf>,
-    /// Draw the cells of space that the camera sees, each in a colour of its own
+    /// Draw the cells of space that the camera sees, each in a colour of its own; and say how many
+    /// its paths meet
     #[arg(long, value_name = "FILE", requires = "scene")]
     pub tree: Option<PathBuf>,
     /// The scene that it was learned for
@@ -180,13 +182,17 @@ fn look(args: &FieldArgs, scene: &Path, opened: &Opened) -> Result<(), Failure> 
         let (pixels, seen) = cells::seen(&view, &guide.field);
         let picture = Image::from_rgb(film.width, film.height, &pixels);
         write(path, &picture, 0.0)?;
+        let met = cells::met(&view, &guide.field);
         tracing::info!(
-            "the camera sees {seen} cells of {}",
-            guide.field.cell_count()
+            "the camera sees {seen} cells of {}; its paths meet {}, and nine tenths of their \
+             vertices lie in {}",
+            guide.field.cell_count(),
+            met.all,
+            met.most_vertices
         );
     }
     match (args.pixel, &args.output) {
-        (Some(pixel), Some(path)) => probe(args, &view, &guide, pixel, path),
+        (Some(pixel), Some(path)) => probe(args, &view, (&guide, &opened.file), pixel, path),
         _ => Ok(()),
     }
 }
@@ -205,7 +211,7 @@ fn read(args: &FieldArgs, scene: &Path, opened: &Opened) -> Result<(Loaded, Scen
 fn probe(
     args: &FieldArgs,
     view: &View,
-    guide: &Guide,
+    (guide, file): (&Guide, &FieldFile),
     pixel: ProbedPixel,
     path: &Path,
 ) -> Result<(), Failure> {
@@ -234,6 +240,8 @@ fn probe(
     let _ = writeln!(text, "normal        {normal}");
     let _ = writeln!(text, "cell          {}", local.cell());
     let _ = writeln!(text, "links         {}", local.links().len());
+    let levels = file.trainer.irradiance_by_level(point.p, normal);
+    let _ = writeln!(text, "hang at       {}", words_of(&levels));
     let chances = guide.fractions.chances(local.cell());
     let _ = writeln!(text, "fraction      {:.3}", chances.field);
     let _ = writeln!(text, "light         {:.3}", chances.light);
@@ -241,6 +249,21 @@ fn probe(
     let _ = writeln!(text, "brute force   {} W/m^2", traced.integral());
     console::print_result(&text)?;
     write(path, &beside(&learned, &traced), args.probe.exposure)
+}
+
+/// Levels of R at which links hang, with how many there are and their share of the light.
+fn words_of(levels: &[LevelShare]) -> String {
+    let sum = |share: &LevelShare| share.irradiance.element_sum();
+    let all: f32 = levels.iter().map(sum).sum();
+    let word = |share: &LevelShare| {
+        let part = if all > 0.0 {
+            100.0 * sum(share) / all
+        } else {
+            0.0
+        };
+        format!("level {} ({} links, {part:.1} %)", share.level, share.links)
+    };
+    levels.iter().map(word).collect::<Vec<_>>().join(", ")
 }
 
 /// Two distributions side by side, each relative to the uniform density.

@@ -95,10 +95,10 @@ pub enum When {
 pub struct LearnArgs {
     /// Photon paths that teach the field [default: as many as the image is worth, while they teach
     /// anything; with "twintree train" 500 000; with --guide gmm 9 million]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = values::amount_or_zero)]
     pub photons: Option<u64>,
     /// Camera paths that teach the field; the first samples of a render do
-    #[arg(long, value_name = "N", default_value_t = PATHS)]
+    #[arg(long, value_name = "N", default_value_t = PATHS, value_parser = values::amount_or_zero)]
     pub paths: u64,
     /// Which of the two do
     #[arg(long, value_name = "NAME", default_value = "both")]

@@ -82,7 +82,7 @@ pub struct StopArgs {
     #[arg(long, value_name = "NAME", conflicts_with = "shard")]
     pub quality: Option<Preset>,
     /// Stop after N samples a pixel [default: the scene's number, or none with --time or --noise]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", value_parser = values::amount)]
     pub spp: Option<u64>,
     /// Stop after this time of rendering: 90, 120s, 2m, 1h30m
     #[arg(long, value_name = "TIME", value_parser = values::duration)]

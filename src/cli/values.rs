@@ -113,12 +113,12 @@ pub fn bytes(text: &str) -> Result<usize, String> {
     Ok((number * (1u64 << shift) as f64) as usize)
 }
 
-/// A number of things such as `500`, `20k`, `5M` or `1.5G`; the units are powers of 1000.
+/// A whole number of things such as `500`, `20k`, `5M` or `1.5G`; the units are powers of 1000.
 ///
 /// # Errors
 /// A sentence that says what was expected.
 pub fn amount(text: &str) -> Result<u64, String> {
-    const EXPECTED: &str = "expected a number above 0 such as 500, 20k, 5M or 1.5G";
+    const EXPECTED: &str = "expected a whole number above 0 such as 500, 20k, 5M or 1.5G";
     let scaled = match text.parse::<f64>() {
         Ok(number) => Some(number),
         Err(_) => number_and_unit(text).and_then(|(number, unit, rest)| {
@@ -132,9 +132,20 @@ pub fn amount(text: &str) -> Result<u64, String> {
         }),
     };
     scaled
-        .filter(|n| *n >= 1.0 && *n < 1e15)
+        .filter(|n| *n >= 1.0 && *n < 1e15 && n.fract() == 0.0)
         .map(|n| n as u64)
         .ok_or_else(|| EXPECTED.into())
+}
+
+/// The same, or none at all: `0`.
+///
+/// # Errors
+/// As [`amount`].
+pub fn amount_or_zero(text: &str) -> Result<u64, String> {
+    match text {
+        "0" => Ok(0),
+        _ => amount(text),
+    }
 }
 
 #[cfg(test)]
@@ -189,9 +200,13 @@ mod tests {
         ] {
             assert_eq!(amount(text), Ok(expected), "{text}");
         }
-        for text in ["", "0", "-1", "k", "5X", "5MB", "nan", "inf"] {
+        for text in [
+            "", "0", "-1", "k", "5X", "5MB", "2.5", "0.0001k", "nan", "inf",
+        ] {
             assert!(amount(text).is_err(), "{text}");
         }
+        assert_eq!(amount_or_zero("0"), Ok(0));
+        assert_eq!(amount_or_zero("4M"), Ok(4_000_000));
     }
 
     #[test]

@@ -100,7 +100,7 @@ impl Trainer {
     }
 
     /// F of each leaf link: flux over area, averaged with the mean over path vertices.
-    fn densities(&self) -> Vec<DVec3> {
+    pub(super) fn densities(&self) -> Vec<DVec3> {
         let zero = || vec![DVec3::ZERO; self.tallies.len()];
         let source = self.settings.source;
         let photons = match self.photon_unit {

@@ -10,16 +10,10 @@ use super::space::{AXIS_BITS, Grid, spread, squeeze};
 use super::train::Trainer;
 
 impl Trainer {
-    /// Gives positions that camera paths met: cells without one are not refined any further. An
-    /// empty slice lifts the restriction.
-    pub fn set_importance(&mut self, points: &[SurfacePoint]) {
-        self.space.seen = self.space.keys(points);
-        self.space.seen_level = self.space.grid.max_level;
-    }
-
-    /// The same for a sample of these positions: cells that hold `per_cell` of them on average are
-    /// told apart, and their neighbours count as seen, too.
-    pub fn set_importance_sample(&mut self, points: &[SurfacePoint], per_cell: usize) {
+    /// Gives a sample of the positions that camera paths meet: cells without one are not refined
+    /// any further. Cells that hold `per_cell` of them on average are told apart, and their
+    /// neighbours count as seen, too. An empty slice lifts the restriction.
+    pub fn set_importance(&mut self, points: &[SurfacePoint], per_cell: usize) {
         let keys = self.space.keys(points);
         let grid = &self.space.grid;
         let level = resolved_level(grid, &keys, per_cell);
@@ -102,7 +96,7 @@ mod tests {
                 ..Settings::new(Vec3::ZERO, Vec3::ONE)
             };
             let mut t = Trainer::build(settings).unwrap();
-            t.set_importance_sample(&sample(4000), 16);
+            t.set_importance(&sample(4000), 16);
             // 4000 points, 16 a cell: 250 cells of a quarter of a floor, side 1/32 would be 256.
             assert_eq!(t.space.seen_level, 4 + u8::from(normal_split));
             for depth in [6, 12] {
@@ -119,9 +113,9 @@ mod tests {
     #[test]
     fn a_sample_too_small_to_tell_restricts_nothing() {
         let mut t = Trainer::build(Settings::new(Vec3::ZERO, Vec3::ONE)).unwrap();
-        t.set_importance_sample(&sample(10), 16);
+        t.set_importance(&sample(10), 16);
         assert!(seen(&mut t, Vec3::splat(0.9), Vec3::Z, 7));
-        t.set_importance_sample(&[], 16);
+        t.set_importance(&[], 16);
         assert!(seen(&mut t, Vec3::splat(0.9), Vec3::Z, 7));
     }
 }

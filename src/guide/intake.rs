@@ -122,14 +122,10 @@ impl Trainer {
         }
     }
 
-    /// *Train* on camera paths: every sampled direction of every vertex, dark ones included.
-    pub fn train_paths(&mut self, samples: &[PathSample]) {
-        self.train_on_paths(vec![samples]);
-    }
-
-    /// The same for a batch that lies in several places, each of which is let go of once it is
-    /// learned from; nothing depends on where it is cut.
-    pub fn train_on_paths(&mut self, parts: Vec<impl AsRef<[PathSample]> + Sync>) {
+    /// *Train* on camera paths: every sampled direction of every vertex, dark ones included. A
+    /// batch may lie in several places, each of which is let go of once it is learned from; nothing
+    /// depends on where it is cut.
+    pub fn train_paths(&mut self, parts: Vec<impl AsRef<[PathSample]> + Sync>) {
         self.intakes.batches += 1;
         let all = || parts.iter().flat_map(AsRef::as_ref);
         if self.path_unit.is_none() {

@@ -112,8 +112,7 @@
 //! * [`FieldFile`] keeps sums, not densities, so that a field can be trained further elsewhere, and
 //!   a [`SampleRanges`] of what it has learned from, so that nothing is counted twice; damaged and
 //!   foreign files are refused with a reason and a place.
-//! * [`Trainer::set_importance`] and [`Trainer::set_importance_sample`] confine refinement to cells
-//!   that camera paths meet.
+//! * [`Trainer::set_importance`] confines refinement to cells that camera paths meet.
 //! * [`Field::random`] knows nothing: a renderer must draw the same mean with it.
 //! * [`Trainer::stats`] counts what there is.
 //!
@@ -135,6 +134,7 @@ mod gaussian;
 pub mod gmm;
 mod importance;
 mod intake;
+mod levels;
 mod light_chance;
 mod link_index;
 mod links;
@@ -157,6 +157,7 @@ mod train;
 pub use field::Field;
 pub use file::FieldFile;
 pub use fraction::{Chances, FLOOR, FractionRecord, Fractions};
+pub use levels::LevelShare;
 pub use light_chance::LEAST_LIGHT;
 pub use model::ModelKind;
 pub use query::{GuideSample, LocalField};

@@ -58,13 +58,6 @@ impl Recent {
         self.places.reserve_exact(count);
     }
 
-    /// Bytes held.
-    pub fn bytes(&self) -> u64 {
-        let records =
-            self.deposits.capacity() * (size_of::<Deposit>() + size_of::<ProductPosition>());
-        (records + self.vertices.capacity() * size_of::<Vertex>()) as u64
-    }
-
     /// Keeps records and their places, as long as there is room.
     pub fn keep(&mut self, deposits: &[Deposit], places: &[ProductPosition]) {
         let room = self.most.saturating_sub(self.deposits.len());

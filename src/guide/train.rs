@@ -256,11 +256,6 @@ impl Trainer {
         }
     }
 
-    /// Bytes of the records that wait for refining.
-    pub fn recent_bytes(&self) -> u64 {
-        self.recent.bytes()
-    }
-
     /// Bytes held by nodes, links, accumulators and, per cell of R, the look-up tables that
     /// freezing makes. Surface points come on top: 8 bytes each.
     pub fn bytes(&self) -> u64 {

@@ -20,7 +20,7 @@ fn bad_values_name_the_flag_and_what_was_expected() {
         ("--time 5x", ["--time", "1h30m"]),
         ("--time 0", ["--time", "above 0"]),
         ("--noise -1", ["--noise", "above 0"]),
-        ("--spp 0", ["--spp", "1.."]),
+        ("--spp 0", ["--spp", "above 0"]),
         ("-j 0", ["--threads", "1.."]),
         ("--texture-memory 5X", ["--texture-memory", "512M"]),
         ("--aov albedo,colour", ["--aov", "colour"]),

@@ -254,6 +254,8 @@ fn a_field_is_shown_in_numbers_and_pictures() {
         ))
         .ok();
     assert!(said.out.contains("brute force"), "{said:#?}");
+    assert!(said.out.contains("hang at       level "), "{said:#?}");
+    assert!(said.err.contains("its paths meet"), "{said:#?}");
     let size = |name: &str, width, height| {
         let (w, pixels) = super::support::read_exr(&place.path(name));
         assert_eq!((w, pixels.len()), (width, width * height), "{name}");

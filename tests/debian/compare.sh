@@ -42,8 +42,7 @@ compare_images() {
     [ $# -gt 1 ] || return 0
     say "z-test of the renders of $*"
     cp "$work"/*.exr "$image/src/twintree/"
-    # The tests have built it already.
-    enter "$image" cargo build --example z_test
-    enter "$image" target/debug/examples/z_test "$1.exr" "$2.exr"
-    expect_exit_code 1 enter "$image" target/debug/examples/z_test "$1.exr" shorter.exr
+    enter "$image" cargo build --release --example z_test
+    enter "$image" target/release/examples/z_test "$1.exr" "$2.exr"
+    expect_exit_code 1 enter "$image" target/release/examples/z_test "$1.exr" shorter.exr
 }

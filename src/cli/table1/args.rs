@@ -25,7 +25,7 @@ pub struct Table1Args {
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=MAX_SIDE), help_heading = "Picture")]
     pub width: Option<u32>,
     /// Samples a pixel
-    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u64).range(1..=1 << 32), help_heading = "Picture")]
+    #[arg(long, value_name = "N", default_value = "256", value_parser = values::amount, help_heading = "Picture")]
     pub spp: u64,
     /// Methods to compare
     #[arg(
@@ -41,7 +41,7 @@ pub struct Table1Args {
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..=1 << 16), help_heading = "Guiding")]
     pub batches: u32,
     /// Photon paths a batch
-    #[arg(long, value_name = "N", default_value_t = 300_000, value_parser = clap::value_parser!(u64).range(1..=1 << 32), help_heading = "Guiding")]
+    #[arg(long, value_name = "N", default_value = "300k", value_parser = values::amount, help_heading = "Guiding")]
     pub photons: u64,
     /// Memory for a double hierarchy while it is learned, such as 64M
     #[arg(long, value_name = "BYTES", default_value = "256M", value_parser = values::bytes, help_heading = "Guiding")]
@@ -50,7 +50,7 @@ pub struct Table1Args {
     #[arg(long, value_name = "BYTES", default_value = "256M", value_parser = values::bytes, help_heading = "Guiding")]
     pub gmm_memory: usize,
     /// Camera paths that teach the field of double-render, as in "twintree render"
-    #[arg(long, value_name = "N", default_value_t = PATHS, help_heading = "Guiding")]
+    #[arg(long, value_name = "N", default_value_t = PATHS, value_parser = values::amount_or_zero, help_heading = "Guiding")]
     pub paths: u64,
     /// How many pixels' paths share what they find, with every method that guides, as in "twintree
     /// render"; 1: each is for itself, as in the paper
@@ -65,7 +65,7 @@ pub struct Table1Args {
     #[arg(long = "reference", value_name = "FILE", help_heading = "Measurement")]
     pub references: Vec<PathBuf>,
     /// Samples a pixel of a reference that is rendered [default: 16 times --spp]
-    #[arg(long, value_name = "N", conflicts_with = "references", value_parser = clap::value_parser!(u64).range(1..=1 << 32), help_heading = "Measurement")]
+    #[arg(long, value_name = "N", conflicts_with = "references", value_parser = values::amount, help_heading = "Measurement")]
     pub reference_spp: Option<u64>,
     /// Directory that keeps rendered references for the next time
     #[arg(

@@ -140,7 +140,7 @@ fn paths_and_photons_estimate_the_same_flux() {
         trainer.set_surface(&patch.surface(400_000, 1), patch.area());
         mix_levels(&mut trainer, 6);
         trainer.train(&patch.constant_light(400_000, 3), 400_000);
-        trainer.train_paths(&samples);
+        trainer.train_paths(vec![&samples]);
         mix_levels(&mut trainer, 7);
         let field = trainer.freeze();
         let mean: f64 = (0..200)

@@ -168,7 +168,7 @@ fn camera_paths_alone_learn_the_light_too() {
             })
             .collect();
         vertices += samples.len() as u64;
-        t.train_paths(&samples);
+        t.train_paths(vec![&samples]);
         t.refine_rounds(4);
         assert_eq!(t.space.visits(0), vertices);
         errors.push(divergence(&t.freeze()));

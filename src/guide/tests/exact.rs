@@ -41,7 +41,7 @@ fn learn(model: ModelKind) -> Trainer {
     t.set_surface(&Patch::floor().surface(50_000, 1), 1.0);
     for i in 0..4 {
         t.train(&photons(40_000, i), 40_000);
-        t.train_paths(&samples(10_000, i));
+        t.train_paths(vec![samples(10_000, i)]);
         t.refine();
     }
     t
@@ -91,9 +91,9 @@ fn a_batch_in_parts_is_the_batch() {
         parts.splice(0..0, s[..100_000].chunks(777));
         parts.insert(5, &[]);
         let mut whole = base.clone();
-        whole.train_paths(&s);
+        whole.train_paths(vec![&s]);
         let mut cut = base;
-        cut.train_on_paths(parts);
+        cut.train_paths(parts);
         for t in [&mut whole, &mut cut] {
             t.refine_rounds(2);
         }
@@ -108,13 +108,13 @@ fn shards_add_up_to_the_whole_to_the_bit() {
         let (p, s) = (photons(30_000, 10), samples(9_000, 3));
         let mut whole = base.clone();
         whole.train(&p, 30_000);
-        whole.train_paths(&s);
+        whole.train_paths(vec![&s]);
         let mut merged = base.clone();
         // Shards arrive in another order and through files.
         for i in [2, 0, 1] {
             let mut shard = base.emptied();
             shard.train(&p[i * 10_000..(i + 1) * 10_000], 10_000);
-            shard.train_paths(&s[i * 3_000..(i + 1) * 3_000]);
+            shard.train_paths(vec![&s[i * 3_000..(i + 1) * 3_000]]);
             let shard = Trainer::from_bytes(&shard.to_bytes()).unwrap();
             merged.merge(&shard).unwrap();
         }

@@ -78,7 +78,7 @@ fn no_mutation_of_a_file_panics() {
             t.train(&disk_light(Vec3::splat(0.6), 0.2, 1500, seed), 1500);
             t.refine();
         }
-        t.set_importance(&super::synthetic::Patch::floor().surface(20, 1));
+        t.set_importance(&super::synthetic::Patch::floor().surface(20, 1), 1);
         let original = t.to_bytes();
         for i in 0..1000 {
             let mut b = original.clone();

@@ -185,10 +185,11 @@ fn bad_settings_are_refused() {
 fn cells_that_no_camera_meets_are_not_refined() {
     let photons = |seed| point_light(Vec3::new(0.5, 0.5, 0.3), 50_000, seed);
     let mut t = Trainer::build(unit_box()).unwrap();
-    t.set_importance(&[crate::guide::SurfacePoint {
+    let seen = crate::guide::SurfacePoint {
         position: Vec3::new(0.45, 0.45, 0.25),
         normal: Vec3::Z,
-    }]);
+    };
+    t.set_importance(&[seen], 1);
     for i in 0..6 {
         t.train(&photons(i), 50_000);
         t.refine();

@@ -6,4 +6,4 @@ mod exact;
 mod files;
 mod hostile;
 mod sampling;
-mod synthetic;
+pub(super) mod synthetic;

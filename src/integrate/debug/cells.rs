@@ -3,6 +3,7 @@
 use super::probe::seen_from;
 use crate::guide::Field;
 use crate::integrate::context::View;
+use crate::integrate::training::importance::met_by;
 use crate::math::rng::{hash64, unit_f32};
 use crate::math::{Rgb, Vec2};
 use crate::scene::interaction::Interaction;
@@ -31,6 +32,44 @@ pub fn seen(view: &View, field: &Field) -> (Vec<Rgb>, usize) {
     (pixels.collect(), names.len())
 }
 
+/// Camera paths that tell which cells are met.
+const PATHS: u64 = 1 << 16;
+
+/// Cells that camera paths meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MetCells {
+    /// All of them.
+    pub all: usize,
+    /// The fewest that hold nine tenths of the paths' vertices.
+    pub most_vertices: usize,
+}
+
+/// Which cells unguided camera paths meet at rough surfaces: the others are of use to no image.
+pub fn met(view: &View, field: &Field) -> MetCells {
+    let points = met_by(view, PATHS);
+    let mut vertices = vec![0u32; field.cell_count() as usize];
+    for point in &points {
+        vertices[field.cell(point.position, point.normal) as usize] += 1;
+    }
+    vertices.retain(|&count| count > 0);
+    vertices.sort_unstable_by(|a, b| b.cmp(a));
+    MetCells {
+        all: vertices.len(),
+        most_vertices: cells_of_most(&vertices, points.len()),
+    }
+}
+
+/// How many of the counts, which fall, it takes for nine tenths of their total.
+fn cells_of_most(falling: &[u32], total: usize) -> usize {
+    let wanted = total as f64 * 0.9;
+    let mut sum = 0.0;
+    let reached = falling.iter().position(|&count| {
+        sum += f64::from(count);
+        sum >= wanted
+    });
+    reached.map_or(0, |last| last + 1)
+}
+
 /// A bright colour that depends on a number as if by chance.
 fn colour(cell: u32) -> Rgb {
     let h = hash64(u64::from(cell).wrapping_add(0x9e37_79b9_7f4a_7c15));
@@ -48,6 +87,14 @@ fn colour(cell: u32) -> Rgb {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn nine_tenths_of_the_vertices_lie_in_the_first_cells() {
+        assert_eq!(cells_of_most(&[], 0), 0);
+        assert_eq!(cells_of_most(&[10], 10), 1);
+        assert_eq!(cells_of_most(&[80, 10, 5, 5], 100), 2);
+        assert_eq!(cells_of_most(&[1; 10], 10), 9);
+    }
 
     #[test]
     fn colours_are_bright_and_differ() {

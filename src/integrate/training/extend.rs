@@ -155,7 +155,7 @@ pub fn extend(
         for piece in pieces(numbers) {
             let training_samples = training_samples(view, Some(&guide), piece);
             let samples = training_samples.into_iter().map(|l| l.samples).collect();
-            file.trainer.train_on_paths(samples);
+            file.trainer.train_paths(samples);
         }
     }
     file.trainer.conclude(batches);

@@ -86,7 +86,7 @@ impl Learner {
         let mut trainer = prepare(view.scene, settings)?;
         let look = importance::look(view, settings.photons);
         if !settings.photons.is_none() {
-            trainer.set_importance_sample(&look.points, importance::PER_CELL);
+            trainer.set_importance(&look.points, importance::PER_CELL);
         }
         let effort = Effort::new(settings.photons, &look);
         let mut photons = PhotonTraining::new(settings, effort);
@@ -219,7 +219,7 @@ impl Learner {
             guide.fractions.update_in_parts(&guide.field, &parts);
         }
         drop(fractions);
-        self.trainer.train_on_paths(samples);
+        self.trainer.train_paths(samples);
         self.trainer.refine_rounds(ROUNDS);
         self.renew();
         self.elapsed += start.elapsed();
