@@ -59,6 +59,12 @@ pub(super) trait Model: Debug {
         self.refracts()
     }
 
+    /// Whether light may come by way of it that next-event estimation does not find: by mirrors,
+    /// metals, lenses and panes.
+    fn casts_caustics(&self) -> bool {
+        self.refracts()
+    }
+
     /// Makes the tables that it needs, so that no path has to wait for them. The one of its rough
     /// coat is kept for [`Lookup::coat_table`].
     fn prepare(&self) -> Option<&'static RoughTransmittance> {

@@ -26,6 +26,13 @@ impl Materials {
         })
     }
 
+    /// Whether light may come by way of material `id` that next-event estimation does not find.
+    pub fn casts_caustics(&self, id: MaterialId) -> bool {
+        self.any(id, &|m| {
+            m.model().is_some_and(|model| model.casts_caustics())
+        })
+    }
+
     /// Adds what material `id` reads of a mesh.
     pub fn add_reads(&self, id: MaterialId, reads: &mut Reads) {
         let Some(material) = self.list.get(id as usize).map(|p| &p.material) else {

@@ -16,7 +16,8 @@ use std::str::FromStr;
 #[derive(Args, Debug, Serialize)]
 #[command(next_help_heading = "Guiding")]
 pub struct GuideArgs {
-    /// How directions are guided towards light [default: none, with --field double]
+    /// How directions are guided towards light [default: auto; with --field double, with --shard
+    /// none]
     #[arg(long, value_name = "NAME")]
     pub guide: Option<Guide>,
     /// Guide by a field that "twintree train" made, instead of learning one; any:FILE takes that of
@@ -39,7 +40,7 @@ impl GuideArgs {
     /// What guides: what is asked for, or else the double hierarchy where a field is given.
     pub fn way(&self) -> Guide {
         let by_field = self.field.as_ref().map(|_| Guide::Double);
-        self.guide.or(by_field).unwrap_or(Guide::None)
+        self.guide.or(by_field).unwrap_or(Guide::Auto)
     }
 }
 
@@ -137,9 +138,12 @@ const MODELS: Choice<ModelKind> = choice! {
 /// Ways of guiding.
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum Guide {
+    /// A double hierarchy, where learning one may pay: not where there is no indirect light, and
+    /// not for previews and tiny images
+    Auto,
     /// Plain path tracing
     None,
-    /// A double hierarchy, learned before rendering
+    /// A double hierarchy, learned before rendering and from its first samples
     Double,
     /// Cached Gaussian mixtures (Vorba et al. 2014), learned from photons before rendering: to
     /// compare with

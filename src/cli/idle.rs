@@ -97,7 +97,7 @@ impl Typed<'_> {
         let guide = &args.guide;
         match guide.way() {
             Guide::None => {
-                let why = "no field guides; --guide double learns one";
+                let why = "no field guides";
                 let mut list = self.group_without_effect::<GuidedArgs>(why);
                 list.extend(self.group_without_effect::<LearnArgs>(why));
                 list
@@ -110,7 +110,7 @@ impl Typed<'_> {
                 let why = "a field that was learned before is not taught by the first samples";
                 self.without_effect(&["adaptive", "trial"], why)
             }
-            Guide::Double => {
+            Guide::Auto | Guide::Double => {
                 let mut list = self.of_learning(&guide.learn);
                 if guide.learn.train != Teachers::Paths && guide.learn.photons.is_none() {
                     let why = "without --photons their number and batches follow from the image";
@@ -181,10 +181,8 @@ mod tests {
             ),
             ("render a.xml --aov none -o a.png", ""),
             ("render a.xml --field f --mixture 0.5 --reuse 4", ""),
-            (
-                "render a.xml --mixture learned --paths 5",
-                "--mixture --paths",
-            ),
+            ("render a.xml --mixture learned --paths 5", ""),
+            ("render a.xml --batches 3", "--batches"),
             (
                 "render a.xml --guide none --reuse 1 --trial never --guide-memory 64M",
                 "--reuse --trial --guide-memory",

@@ -10,8 +10,8 @@ use crate::integrate::manifold::{ManifoldSampling, find_chains};
 use crate::integrate::progress::Limits;
 use crate::integrate::training::extend::{check_scene, to_guide};
 use crate::integrate::training::mixtures::{self, LearnedMixtures, learn_mixtures};
-use crate::integrate::training::trial;
 use crate::integrate::training::{LearnSettings, Learned, Learner, learn};
+use crate::integrate::training::{prospect, trial};
 use crate::photon::PhotonCounts;
 use crate::photon::schedule::Budget;
 use crate::report::words;
@@ -178,11 +178,12 @@ pub fn guiding(
     let mut settings = settings::learn_settings(&args.learn, view.settings, photons)?;
     settings.mixture = args.guided.mixture.0;
     settings.trial = args.guided.trial == When::Auto;
-    if view.scene.lights.is_empty() {
-        return Ok(Guiding::default());
-    }
-    if !view.scene.surfaces.scatter() {
-        tracing::info!("nothing in the scene is rough: no field is learned");
+    let not_worthwhile = || match args.way() {
+        Way::Auto => prospect::not_worthwhile(view, limits),
+        _ => None,
+    };
+    if let Some(why) = prospect::nothing_to_learn(view).or_else(not_worthwhile) {
+        tracing::info!("{why}: no field is learned");
         return Ok(Guiding::default());
     }
     if args.guide == Some(Way::Gmm) {

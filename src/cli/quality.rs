@@ -113,17 +113,18 @@ fn with_successor(mut error: clap::Error) -> clap::Error {
 
 /// Puts the settings of the quality where nothing was typed.
 fn apply(args: &mut RenderArgs, matches: &ArgMatches) {
+    let typed = |id: &str| matches.value_source(id) == Some(ValueSource::CommandLine);
+    if args.parts.shard.is_some() && !typed("guide") && !typed("field") {
+        // Each shard would learn the same field anew.
+        args.guide.guide = Some(Guide::None);
+    }
     let Some(preset) = args.stop.quality else {
         return;
     };
-    let typed = |id: &str| matches.value_source(id) == Some(ValueSource::CommandLine);
     let settings = settings(preset);
     if !["spp", "time", "noise"].into_iter().any(typed) {
         args.stop.noise = Some(settings.noise);
         args.stop.spp = Some(settings.spp);
-    }
-    if !typed("guide") && !typed("field") {
-        args.guide.guide = Some(Guide::Double);
     }
     if !typed("photons") {
         args.guide.learn.photons = Some(settings.photons);

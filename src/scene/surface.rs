@@ -74,6 +74,12 @@ impl Surfaces {
         self.list.iter().any(scatters)
     }
 
+    /// Whether light may come by way of any surface that next-event estimation does not find.
+    pub fn cast_caustics(&self) -> bool {
+        let casts = |s: &Surface| self.materials.casts_caustics(s.material);
+        self.list.iter().any(casts)
+    }
+
     /// The point where `ray` met something. `footprint` is the width of the ray's cone there.
     #[inline(always)]
     pub fn point(&self, ray: &Ray, hit: &Hit, footprint: f32) -> SurfacePoint<'_> {

@@ -105,7 +105,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         out = os.path.join(folder, "image")
         ours = [args.program, "render", args.mesh, "--quiet", "--sky", "white", "--width", str(WIDTH), "--height",
-                str(HEIGHT), "--spp", str(SPP), "--max-depth", str(DEPTH), "-j", str(THREADS)]
+                str(HEIGHT), "--guide", "none", "--spp", str(SPP), "--max-depth", str(DEPTH), "-j", str(THREADS)]
         commands = {
             "twintree": [*ours, "-o", out + ".png"],
             "twintree, compact": [*ours, "--accel-build", "compact", "-o", out + ".png"],

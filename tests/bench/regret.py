@@ -25,7 +25,7 @@ import OpenImageIO as oiio
 import rooms
 from variance import blocks
 
-WAYS = {"none": ["--guide", "none"], "always": ["--guide", "double", "--trial", "never"], "chosen": ["--guide", "double"]}
+WAYS = {"none": ["--guide", "none"], "always": ["--guide", "double", "--trial", "never"], "chosen": []}
 WINS, KEEPS, LOSES = 1.1, 0.9, 0.95
 BLOCKS = (4, 16)
 

@@ -8,6 +8,7 @@ mod errors;
 mod farming;
 mod fields;
 mod generated;
+mod guiding;
 mod importing;
 mod inspect;
 mod invalid;

@@ -49,6 +49,10 @@ impl Model for Conductor {
         false
     }
 
+    fn casts_caustics(&self) -> bool {
+        true
+    }
+
     #[cfg(test)]
     fn examples() -> Vec<(&'static str, Self)> {
         use crate::bsdf::material::white;

@@ -78,6 +78,10 @@ impl Model for MetallicRoughness {
         None
     }
 
+    fn casts_caustics(&self) -> bool {
+        self.metallic.constant() != Some(Rgb::ZERO)
+    }
+
     #[cfg(test)]
     fn examples() -> Vec<(&'static str, Self)> {
         use crate::bsdf::tests::models::metallic_roughness;

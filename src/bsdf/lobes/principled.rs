@@ -127,6 +127,10 @@ impl Model for Principled {
         self.spec_trans.constant() != Some(Rgb::ZERO)
     }
 
+    fn casts_caustics(&self) -> bool {
+        self.refracts() || self.metallic.constant() != Some(Rgb::ZERO)
+    }
+
     #[cfg(test)]
     fn examples() -> Vec<(&'static str, Self)> {
         use crate::bsdf::tests::models::{grey, principled};

@@ -103,6 +103,10 @@ impl Model for PrincipledThin {
         true
     }
 
+    fn casts_caustics(&self) -> bool {
+        true
+    }
+
     #[cfg(test)]
     fn examples() -> Vec<(&'static str, Self)> {
         use crate::bsdf::tests::models::{base, grey};

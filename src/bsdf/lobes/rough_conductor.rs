@@ -59,6 +59,10 @@ impl Model for RoughConductor {
         self.roughness.is_anisotropic()
     }
 
+    fn casts_caustics(&self) -> bool {
+        true
+    }
+
     #[cfg(test)]
     fn examples() -> Vec<(&'static str, Self)> {
         use crate::bsdf::microfacet::Distribution::{Beckmann, Ggx};

@@ -49,6 +49,10 @@ impl Model for ThinDielectric {
         false
     }
 
+    fn casts_caustics(&self) -> bool {
+        true
+    }
+
     fn transmits(&self) -> bool {
         true
     }

@@ -80,6 +80,10 @@ impl Model for Ward {
         differ(&self.alpha_u, &self.alpha_v)
     }
 
+    fn casts_caustics(&self) -> bool {
+        true
+    }
+
     #[cfg(test)]
     fn examples() -> Vec<(&'static str, Self)> {
         use crate::bsdf::tests::models::{grey, rgb};

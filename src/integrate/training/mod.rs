@@ -10,6 +10,7 @@ mod learner;
 pub mod mixtures;
 mod passes;
 mod photons;
+pub mod prospect;
 pub mod record;
 mod settings;
 pub mod trial;

@@ -52,7 +52,7 @@ const WORST: f64 = 0.01;
 /// The worst pixels outweigh the others when with them the mean is this many times larger. (In
 /// rooms with windows or lamps 1.1 to 2.5, with lamps that shine from behind something 4 to 9, with
 /// glass 6 to 11.)
-const HEAVY: f64 = 4.0;
+pub(super) const HEAVY: f64 = 4.0;
 /// Guiding goes on because of the worst pixels only if with it they enlarge the mean by a factor
 /// that is smaller by this much. (tests/bench/regret.py compares the verdict with both ways.)
 const CALMER: f64 = 1.5;
@@ -152,6 +152,21 @@ pub(super) fn trial(
     let samples = variances.len() as f64 * scope.samples as f64;
     let (variance, _) = trimmed(&mut variances);
     (verdict, rates.best(samples, variance, guided.rays))
+}
+
+/// The noise of an unguided sample: its mean relative error, squared, and how much larger that is
+/// with the worst pixels; by about so many paths.
+pub(super) fn unguided_noise(view: &View, paths: u64) -> (f64, f64) {
+    let job = Job::new(view, &Unwatched, 0);
+    let scope = Scope::new(view.film, paths);
+    let unguided = scope.both(&job, view.film, None);
+    let mut errors = Vec::new();
+    for pair in unguided.pairs() {
+        let scale = scale(mean_of(pair));
+        errors.extend(scope.errors(pair).map(|e| e / scale));
+    }
+    let tail = tail(&mut errors);
+    (cut_mean(&errors, most(&errors, &[])), tail)
 }
 
 /// Finds the rate of manifold next-event estimation where a view is guided by a field that was

@@ -1,0 +1,59 @@
+//! Whether a field could help the paths of a view at all: asked before anything is learned.
+
+use super::trial::{HEAVY, unguided_noise};
+use crate::integrate::context::View;
+use crate::integrate::progress::Limits;
+
+/// Samples of an image below which learning and its trial take a larger share than they bring back:
+/// a trial alone takes twice 4096 paths, 3 % of these. (`tests/bench/regret.py` at 64 pixels wide.)
+const FEWEST_SAMPLES: u64 = 1 << 18;
+/// Samples of a pixel below which an image is a preview.
+const FEWEST_SPP: u64 = 8;
+/// Relative error of an unguided sample, squared, below which no field pays: a guided sample takes
+/// more than twice the time. (`tests/bench/regret.py`: office 0.18, terrace 0.07, where guiding
+/// loses; tasting room 1.6, where it loses, too; patch of sun 1.8, corner lit by a lamp that shines
+/// up 4, corridor 23, where it gains 1.8, 7 and 8 times.)
+const EASY: f64 = 0.7;
+/// Share of the image's samples that tell, within [`PATHS`].
+const SHARE: f64 = 0.006;
+const PATHS: [u64; 2] = [1 << 12, 1 << 16];
+/// Edges of a path that next-event estimation finds from the camera's first surface.
+const DIRECT: u32 = 2;
+
+/// Why no field can be learned for a view; `None` if one can.
+pub fn nothing_to_learn(view: &View) -> Option<&'static str> {
+    if view.scene.lights.is_empty() {
+        return Some("the scene has no light");
+    }
+    let rough = view.scene.surfaces.scatter();
+    (!rough).then_some("nothing in the scene is rough")
+}
+
+/// Why a field is not worth learning for an image with these limits; `None` if it may be: then a
+/// trial while rendering tells.
+pub fn not_worthwhile(view: &View, limits: &Limits) -> Option<&'static str> {
+    let [x0, y0, x1, y1] = view
+        .film
+        .crop
+        .unwrap_or([0, 0, view.film.width, view.film.height]);
+    let pixels = u64::from(x1 - x0) * u64::from(y1 - y0);
+    if view.settings.max_depth <= DIRECT {
+        return Some("paths are too short for indirect light");
+    }
+    let samples = pixels.saturating_mul(limits.spp);
+    if limits.spp < FEWEST_SPP || samples < FEWEST_SAMPLES {
+        return Some("the image has too few samples");
+    }
+    is_easy(view, samples).then_some("paths find the light by themselves")
+}
+
+/// Whether unguided samples have so little noise that there is nothing to gain. Where light may be
+/// gathered by glass or metal, a few samples cannot tell: they may have missed it all.
+fn is_easy(view: &View, samples: u64) -> bool {
+    if view.scene.surfaces.cast_caustics() {
+        return false;
+    }
+    let paths = ((SHARE * samples as f64) as u64).clamp(PATHS[0], PATHS[1]);
+    let (noise, tail) = unguided_noise(view, paths);
+    noise < EASY && tail < HEAVY
+}

@@ -1,0 +1,43 @@
+//! What guides where nothing is said.
+
+use super::support::Place;
+
+/// Guided, a picture has told whether that pays; unguided, it says why nothing was learned.
+fn is_guided(place: &Place, words: &str) -> bool {
+    let said = place
+        .run(&format!("render scene.xml -o a.exr --stats s.json {words}"))
+        .ok();
+    let stats: serde_json::Value = serde_json::from_slice(&place.read("s.json")).unwrap();
+    let learned = !stats["trial"].is_null();
+    assert!(learned || !said.err.contains("learned from"), "{said:#?}");
+    learned
+}
+
+#[test]
+fn a_field_is_learned_where_it_may_pay_unless_told_otherwise() {
+    let place = Place::new();
+    // 192 x 144 pixels: 276 480 samples of 10 a pixel.
+    let image = "--width 192 --spp 10";
+    assert!(is_guided(&place, image));
+    assert!(!is_guided(&place, &format!("{image} --guide none")));
+    assert!(!is_guided(&place, &format!("{image} --max-depth 2")));
+    // Previews, however large, and tiny images, unless it is asked for.
+    assert!(!is_guided(&place, "--width 384 --spp 7"));
+    assert!(!is_guided(&place, "--spp 64"));
+    assert!(is_guided(&place, "--spp 64 --guide double"));
+    // A render that ends by the clock has no number of samples.
+    assert!(is_guided(&place, "--width 96 --time 2s"));
+}
+
+#[test]
+fn shards_are_guided_where_that_is_asked_for() {
+    let place = Place::new();
+    let shard = |words: &str| {
+        let image = "--width 192 --spp 10 --shard 0/2";
+        let words = format!("render scene.xml -o a.exr {image} {words}");
+        let said = place.run(&words).ok();
+        said.err.contains("learned from")
+    };
+    assert!(!shard(""));
+    assert!(shard("--guide double"));
+}
