@@ -2,16 +2,21 @@
 
 mod support;
 
-use support::{Built, SceneMaker, film_mean, grey, how, inside_of_cube, settings};
+use support::{Built, SceneMaker, Silent, film_mean, grey, how, inside_of_cube, settings};
 use twintree::accel::{AnalyticKind, Backend};
 use twintree::bsdf::material::{Dielectric, Distribution, Plastic, RoughConductor, Roughness};
 use twintree::film::Film;
 use twintree::guide::gmm::Mixtures;
+use twintree::guide::ppg::{self, PpgTrainer, Target};
 use twintree::guide::{Field, ModelKind};
 use twintree::integrate::PathSettings;
 use twintree::integrate::guiding::Guide;
+use twintree::integrate::progress::{Limits, Spent};
+use twintree::integrate::render::resume;
 use twintree::integrate::training::mixtures::{self, learn_mixtures};
-use twintree::integrate::training::{LearnSettings, Learned, garbage, learn};
+use twintree::integrate::training::{
+    LearnSettings, Learned, Learner, garbage, garbage_sd_tree, learn,
+};
 use twintree::light::Emitter;
 use twintree::math::{Affine3A, Rgb, Vec3};
 
@@ -185,6 +190,71 @@ fn learned_mixtures_lower_the_noise_and_are_the_same_for_any_number_of_threads()
     let (plain, guided) = (relative(&room.render(&path, 64).0), relative(&guided));
     println!("relative variance {plain:.5} unguided, {guided:.5} by mixtures");
     assert!(guided < 0.9 * plain, "{guided} is not below {plain}");
+}
+
+/// Renders guided by an SD-tree that the image's first passes teach; how many leaves it has.
+fn render_by_sd_tree(room: &Built, path: &PathSettings, spp: u64, target: Target) -> (Film, u64) {
+    let view = room.view(path, None);
+    let settings = LearnSettings {
+        trial: false,
+        ..how(0, 1 << 30)
+    };
+    let mut learner = Learner::ppg(&view, &settings, target).expect("bounds");
+    let mut film = Film::new(&room.film);
+    let limits = Limits {
+        spp,
+        time: None,
+        noise: None,
+    };
+    let (learns, spent) = (Some(&mut learner), Spent::default());
+    resume(&view, learns, &mut film, &limits, spent, &Silent);
+    (film, learner.stats().space_cells)
+}
+
+#[test]
+fn learned_random_and_empty_sd_trees_give_the_unguided_mean() {
+    let room = room();
+    let mut path = twelve();
+    let (plain, _) = room.render(&path, 512);
+    path.seed = 2;
+    for target in [Target::Radiance, Target::SecondMoment] {
+        let (guided, leaves) = render_by_sd_tree(&room, &path, 256, target);
+        println!("{target:?}: {leaves} leaves");
+        assert!(leaves > 50, "{leaves}");
+        agree(&format!("{target:?}"), &guided, &plain);
+    }
+    let bounds = room.scene.rays.bounds();
+    let empty = PpgTrainer::new(ppg::Settings::new(bounds.min, bounds.max)).expect("bounds");
+    for (what, guide, spp) in [
+        ("random", garbage_sd_tree(&room.scene, 9), 1024),
+        ("empty", Guide::new(empty.freeze()), 512),
+    ] {
+        let (guided, _) = room.render_by(&path, spp, Some((&guide).into()));
+        agree(&format!("{what} SD-tree"), &guided, &plain);
+    }
+}
+
+#[test]
+fn sd_trees_lower_the_noise_and_are_the_same_for_any_number_of_threads() {
+    let room = room();
+    let path = twelve();
+    let image = |threads: usize, spp| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .expect("threads");
+        pool.install(|| render_by_sd_tree(&room, &path, spp, Target::default()).0)
+    };
+    let few = image(1, 8);
+    assert!(
+        few == image(2, 8) && few == image(7, 8),
+        "threads change the image"
+    );
+    let relative = |film: &Film| f64::from(film.noise().expect("enough samples").value).powi(2);
+    let (plain, guided) = (relative(&room.render(&path, 64).0), relative(&image(2, 64)));
+    println!("relative variance {plain:.5} unguided, {guided:.5} by an SD-tree");
+    // 0.51 when this was written.
+    assert!(guided < 0.7 * plain, "{guided} is not well below {plain}");
 }
 
 #[test]

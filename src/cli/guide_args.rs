@@ -148,6 +148,9 @@ pub enum Guide {
     /// Cached Gaussian mixtures (Vorba et al. 2014), learned from photons before rendering: to
     /// compare with
     Gmm,
+    /// The SD-tree of practical path guiding (Mueller et al. 2017, Rath et al. 2020), learned from
+    /// camera paths while rendering: to compare with
+    Ppg,
 }
 
 /// Which records teach a field.

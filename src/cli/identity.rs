@@ -79,10 +79,9 @@ pub fn settings(args: &RenderArgs, view: &View, limits: &Limits) -> BTreeMap<Str
         forget(options(&guide.learn));
     }
     settings.extend(options(&in_effect(args, view)));
-    if let (true, Budget::AsNeeded { samples, time }) = (
-        learns,
-        settings::photons_for(&guide.learn, view.film, limits),
-    ) {
+    if let (true, Budget::AsNeeded { samples, time }) =
+        (learns, settings::photons_for(guide, view.film, limits))
+    {
         // What a clock decides is not the same twice in any case.
         let samples = time.map_or(samples.to_string(), |_| "any".into());
         settings.insert("--photons, for samples of the image".into(), samples);

@@ -106,6 +106,10 @@ impl Typed<'_> {
                 let names = ["mixture", "manifold", "adaptive", "paths"];
                 self.without_effect(&names, "that is for --guide double")
             }
+            Guide::Ppg => {
+                let names = ["photons", "batches", "train", "guide_model"];
+                self.without_effect(&names, "--guide ppg learns from camera paths alone")
+            }
             Guide::Double if guide.field.is_some() => {
                 let why = "a field that was learned before is not taught by the first samples";
                 self.without_effect(&["adaptive", "trial"], why)
@@ -200,6 +204,10 @@ mod tests {
                 "--output --stats",
             ),
             ("render a.xml --guide gmm --mixture 0.5", "--mixture"),
+            (
+                "render a.xml --guide ppg --mixture 0.5 --paths 9 --photons 9 --train paths",
+                "--photons --train",
+            ),
             (
                 "render a.xml --guide double --train photons --paths 9",
                 "--paths",

@@ -4,6 +4,7 @@
 use super::guide_args::{FieldName, Guide as Way, GuideArgs, LearnArgs, MODEL, Teachers, When};
 use super::{Failure, output, settings};
 use crate::guide::FieldFile;
+use crate::guide::ppg::Target;
 use crate::integrate::View;
 use crate::integrate::guiding::{Guidance, Guide};
 use crate::integrate::manifold::{ManifoldSampling, find_chains};
@@ -93,10 +94,15 @@ pub fn wanted_file(args: &GuideArgs) -> Result<Option<Opened>, Failure> {
             help,
         ));
     }
-    if args.guide == Some(Way::Gmm) {
-        let message =
-            "--guide gmm does not go with --field: only double hierarchies are kept in files";
-        let help = "leave --field away: the mixtures are learned before rendering";
+    if let Some(way @ (Way::Gmm | Way::Ppg)) = args.guide {
+        let message = format!(
+            "--guide {} does not go with --field: only double hierarchies are kept in files",
+            if way == Way::Gmm { "gmm" } else { "ppg" }
+        );
+        let help = match way {
+            Way::Gmm => "leave --field away: the mixtures are learned before rendering",
+            _ => "leave --field away: the tree is learned while rendering",
+        };
         return Err(Failure::wrong(message, help));
     }
     Opened::named(name).map(Some)
@@ -122,11 +128,8 @@ impl Guiding {
 
     /// Bytes of the field as it is.
     pub fn bytes(&self) -> u64 {
-        if let Some(learned) = &self.mixtures {
-            return learned.mixtures.bytes();
-        }
         let learned = self.learner.as_ref().map(Learner::guide);
-        learned.or(self.kept.as_ref()).map_or(0, |g| g.bytes())
+        learned.or(self.prepared()).map_or(0, |g| g.bytes())
     }
 
     /// Time that learning took so far.
@@ -153,7 +156,7 @@ pub fn guiding(
         let chains = find_chains(view, settings::photons_alone(&args.learn));
         guide.manifold = chains.map(ManifoldSampling::new);
         trial::try_manifold(view, &mut guide);
-        describe_manifold(&guide);
+        describe_manifold(guide.manifold.as_ref());
         tracing::info!(
             "guided by {}: {}, {}",
             opened.path.display(),
@@ -173,7 +176,7 @@ pub fn guiding(
             photons: args.learn.photons.unwrap_or(mixtures::PHOTONS),
             batches: args.learn.batches,
         },
-        _ => settings::photons_for(&args.learn, view.film, limits),
+        _ => settings::photons_for(args, view.film, limits),
     };
     let mut settings = settings::learn_settings(&args.learn, view.settings, photons)?;
     settings.mixture = args.guided.mixture.0;
@@ -186,10 +189,25 @@ pub fn guiding(
         tracing::info!("{why}: no field is learned");
         return Ok(Guiding::default());
     }
-    if args.guide == Some(Way::Gmm) {
-        return mixtures(args, view, &settings);
+    match args.way() {
+        Way::Gmm => mixtures(args, view, &settings),
+        Way::Ppg => {
+            // Whatever --train says.
+            let paths = args.learn.paths;
+            let settings = LearnSettings {
+                photons,
+                paths,
+                ..settings
+            };
+            sd_tree(view, &settings)
+        }
+        _ => double(view, &settings),
     }
-    let mut learner = Learner::new(view, &settings)?;
+}
+
+/// Begins a double hierarchy, which the first passes teach further.
+fn double(view: &View, settings: &LearnSettings) -> Result<Guiding, Failure> {
+    let mut learner = Learner::new(view, settings)?;
     if !learner.wants_more() {
         learner.try_manifold(view);
     }
@@ -203,6 +221,18 @@ pub fn guiding(
     warn_of_invalid_photons(&counts);
     Ok(Guiding {
         learner: Some(learner),
+        ..Guiding::default()
+    })
+}
+
+/// Begins an SD-tree, which the first passes teach.
+fn sd_tree(view: &View, settings: &LearnSettings) -> Result<Guiding, Failure> {
+    if settings.paths == 0 {
+        let message = "--guide ppg learns from camera paths alone";
+        return Err(Failure::wrong(message, "give --paths a number above 0"));
+    }
+    Ok(Guiding {
+        learner: Some(Learner::ppg(view, settings, Target::default())?),
         ..Guiding::default()
     })
 }
@@ -245,7 +275,7 @@ pub fn describe(learner: &Learner) {
         words::bytes(learner.guide().bytes()),
         words::time(learner.elapsed().as_secs_f64()),
     );
-    describe_manifold(learner.guide());
+    describe_manifold(learner.guide().manifold());
     let Some(verdict) = learner.verdict() else {
         return;
     };
@@ -269,8 +299,8 @@ pub fn describe(learner: &Learner) {
 }
 
 /// Says how often suns and lamps are sampled through specular chains.
-fn describe_manifold(guide: &Guide) {
-    if let Some(manifold) = &guide.manifold {
+fn describe_manifold(manifold: Option<&ManifoldSampling>) {
+    if let Some(manifold) = manifold {
         let share = 100.0 * manifold.rate();
         tracing::info!(
             "samples suns and lamps behind glass and in mirrors at {share} % of the first rough vertices"

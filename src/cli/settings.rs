@@ -1,6 +1,6 @@
 //! What the command line changes about a scene.
 
-use super::guide_args::{GuidedArgs, LearnArgs, Teachers, When};
+use super::guide_args::{Guide, GuideArgs, GuidedArgs, LearnArgs, Teachers, When};
 use super::light_args::LightArgs;
 use super::picture_args::{PictureArgs, SizeArgs};
 use super::render_args::{RenderArgs, StopArgs};
@@ -144,11 +144,12 @@ pub const PHOTONS: u64 = 500_000;
 /// Samples a pixel that a render without a limit in samples is taken to have.
 const ENDLESS_SPP: u64 = 256;
 
-/// Photons for a render: as many as are given, or as it is worth.
-pub fn photons_for(args: &LearnArgs, film: &FilmDescription, limits: &Limits) -> Budget {
-    match args.photons {
-        Some(photons) => exactly(photons, args.batches),
-        None => photons_as_needed(film, limits),
+/// Photons for a render: as many as are given, or as it is worth. An SD-tree takes none, but what
+/// it costs is weighed by what the image is worth.
+pub fn photons_for(args: &GuideArgs, film: &FilmDescription, limits: &Limits) -> Budget {
+    match args.learn.photons {
+        Some(photons) if args.way() != Guide::Ppg => exactly(photons, args.learn.batches),
+        _ => photons_as_needed(film, limits),
     }
 }
 
@@ -289,5 +290,33 @@ mod tests {
         assert_eq!(limits(&stop, &scene).spp, u64::MAX);
         stop.spp = Some(5);
         assert_eq!(limits(&stop, &scene).spp, 5);
+    }
+
+    #[test]
+    fn an_sd_tree_is_worth_what_the_image_is_whatever_is_said_of_photons() {
+        use super::super::args::{Cli, Command};
+        use clap::Parser;
+        let limits = Limits {
+            spp: 8,
+            time: None,
+            noise: None,
+        };
+        let photons = |line: &str| {
+            let Command::Render(args) = Cli::parse_from(line.split(' ')).command else {
+                panic!("another command");
+            };
+            photons_for(&args.guide, &film(10, 10, None), &limits)
+        };
+        let as_needed = Budget::AsNeeded {
+            samples: 800,
+            time: None,
+        };
+        let line = "twintree render a.xml --guide";
+        assert_eq!(photons(&format!("{line} ppg --photons 9")), as_needed);
+        assert_eq!(photons(&format!("{line} double")), as_needed);
+        assert_eq!(
+            photons(&format!("{line} double --photons 9 --batches 3")),
+            exactly(9, 3)
+        );
     }
 }

@@ -51,7 +51,7 @@ pub fn run(args: &RenderArgs, PixelSample { pixel, sample }: PixelSample) -> Res
     };
     let view = View {
         guide: match &guiding.learner {
-            Some(learner) => learner.worthwhile_guide().map(Into::into),
+            Some(learner) => learner.worthwhile_guide(),
             None => guiding.prepared(),
         },
         ..plain

@@ -5,6 +5,7 @@
 //! number. Where P divides directions, too, the cell's flux is kept by base direction cell, and its
 //! links are found through [`Lists`].
 
+use super::cells::Cells;
 use super::link_index::{GROUPS, Lists};
 use super::model::FrozenSet;
 use super::settings::Product;
@@ -75,5 +76,24 @@ impl Field {
             + self.lists.as_ref().map_or(0, Lists::bytes)
             + self.models.bytes();
         bytes as u64
+    }
+}
+
+impl Cells for Field {
+    fn cell(&self, position: Vec3, normal: Vec3) -> u32 {
+        self.cell(position, normal)
+    }
+
+    fn cell_count(&self) -> u32 {
+        self.cell_count()
+    }
+
+    fn parts_of(&self, coarser: &Self) -> Vec<u32> {
+        let part_of = |&key: &u64| coarser.cell_of_key(key);
+        self.cell_key.iter().map(part_of).collect()
+    }
+
+    fn bytes(&self) -> u64 {
+        self.bytes()
     }
 }

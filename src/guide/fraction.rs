@@ -9,7 +9,7 @@
 
 use super::adam::Adam;
 use super::bytes::{Reader, Writer};
-use super::field::Field;
+use super::cells::Cells;
 use super::light_chance::{LEAST_LIGHT, LightChance};
 use super::record::weight;
 use crate::math::rng::{hash64, unit_f32};
@@ -133,12 +133,12 @@ pub struct Fractions {
 
 impl Fractions {
     /// One half everywhere, and always a light.
-    pub fn new(field: &Field) -> Self {
+    pub fn new(field: &impl Cells) -> Self {
         Self::with(field, |_| Chances::UNKNOWN)
     }
 
     /// Nothing learned yet, but these chances.
-    fn with(field: &Field, chances: impl Fn(u32) -> Chances) -> Self {
+    fn with(field: &impl Cells, chances: impl Fn(u32) -> Chances) -> Self {
         Self {
             cells: vec![Habits::default(); field.cell_count() as usize],
             chances: (0..field.cell_count()).map(chances).collect(),
@@ -147,7 +147,7 @@ impl Fractions {
 
     /// Chances that know nothing of any scene, in all their range: no renderer may draw another
     /// mean with them.
-    pub fn random(field: &Field, seed: u64) -> Self {
+    pub fn random(field: &impl Cells, seed: u64) -> Self {
         Self::with(field, |cell| {
             let bits = hash64(seed ^ u64::from(cell));
             Chances {
@@ -167,9 +167,9 @@ impl Fractions {
 
     /// The fractions for a field that refines the one they were learned for: every cell starts with
     /// what the cell that it was part of has learned.
-    pub fn carried_over(&self, from: &Field, to: &Field) -> Self {
-        let part_of = |&key: &u64| from.cell_of_key(key) as usize;
-        let old: Vec<usize> = to.cell_key.iter().map(part_of).collect();
+    pub fn carried_over<F: Cells>(&self, from: &F, to: &F) -> Self {
+        let old = to.parts_of(from).into_iter().map(|part| part as usize);
+        let old: Vec<usize> = old.collect();
         let mut parts = vec![0u32; self.cells.len()];
         for &c in &old {
             parts[c] += 1;
@@ -187,7 +187,7 @@ impl Fractions {
         }
     }
 
-    /// The chances in a cell (see [`Field::cell`]); those of one that has learned nothing for a
+    /// The chances in a cell (see [`Cells::cell`]); those of one that has learned nothing for a
     /// cell of another field.
     #[inline]
     pub fn chances(&self, cell: u32) -> Chances {
@@ -212,12 +212,12 @@ impl Fractions {
     }
 
     /// Learns from a batch. Records with numbers that are not finite are ignored.
-    pub fn update(&mut self, field: &Field, records: &[FractionRecord]) {
+    pub fn update(&mut self, field: &impl Cells, records: &[FractionRecord]) {
         self.update_in_parts(field, &[records]);
     }
 
     /// The same for a batch that lies in several places; only the records' order counts.
-    pub fn update_in_parts(&mut self, field: &Field, parts: &[&[FractionRecord]]) {
+    pub fn update_in_parts(&mut self, field: &impl Cells, parts: &[&[FractionRecord]]) {
         let batch = Parts::new(parts);
         let cell_of = |(i, r): (usize, &FractionRecord)| {
             u64::from(field.cell(r.position, r.normal)) << 32 | i as u64

@@ -125,6 +125,7 @@
 
 mod adam;
 mod bytes;
+mod cells;
 mod content;
 mod field;
 mod file;
@@ -140,6 +141,7 @@ mod link_index;
 mod links;
 mod merge;
 mod model;
+pub mod ppg;
 mod quantise;
 mod query;
 mod random;
@@ -154,6 +156,7 @@ mod stats;
 mod tally;
 mod train;
 
+pub use cells::Cells;
 pub use field::Field;
 pub use file::FieldFile;
 pub use fraction::{Chances, FLOOR, FractionRecord, Fractions};

@@ -91,7 +91,7 @@ impl Grid {
 /// Octants of a turned frame in which the six axis directions lie inside octants, 19 degrees or
 /// more from a boundary: walls along the axes would otherwise flip by rounding.
 #[inline]
-fn normal_octant(n: Vec3) -> u64 {
+pub(crate) fn normal_octant(n: Vec3) -> u64 {
     let below = |axis: usize| u64::from(OCTANT_AXES[axis].dot(n) < 0.0) << axis;
     below(0) | below(1) | below(2)
 }

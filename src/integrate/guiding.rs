@@ -8,7 +8,8 @@
 use super::manifold::ManifoldSampling;
 use crate::bsdf::{Bsdf, BsdfSample, LobeFlags, Rest, Transport};
 use crate::guide::gmm::{LocalMixture, Mixtures};
-use crate::guide::{Chances, Field, Fractions, GuideSample, LocalField};
+use crate::guide::ppg::{LocalTree, SdTree};
+use crate::guide::{Cells, Chances, Field, FractionRecord, Fractions, GuideSample, LocalField};
 use crate::math::rng::BELOW_ONE;
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::texture::SurfacePoint;
@@ -21,9 +22,9 @@ const MATT: f32 = 0.6;
 
 /// A learned field, ready to guide.
 #[derive(Debug)]
-pub struct Guide {
+pub struct Guide<F = Field> {
     /// Where light comes from.
-    pub field: Field,
+    pub field: F,
     /// How often to trust it.
     pub fractions: Fractions,
     /// Manifold next-event estimation, for suns and lamps that no direction of the field is narrow
@@ -38,11 +39,19 @@ pub enum Guidance<'a> {
     Double(&'a Guide),
     /// Cached Gaussian mixtures, trusted half of the time everywhere.
     Gmm(&'a Mixtures),
+    /// An SD-tree, that of practical path guiding.
+    Ppg(&'a Guide<SdTree>),
 }
 
 impl<'a> From<&'a Guide> for Guidance<'a> {
     fn from(guide: &'a Guide) -> Self {
         Self::Double(guide)
+    }
+}
+
+impl<'a> From<&'a Guide<SdTree>> for Guidance<'a> {
+    fn from(guide: &'a Guide<SdTree>) -> Self {
+        Self::Ppg(guide)
     }
 }
 
@@ -57,6 +66,7 @@ impl<'a> From<&'a Mixtures> for Guidance<'a> {
 enum Local<'a> {
     Double(LocalField<'a>),
     Gmm(LocalMixture<'a>),
+    Ppg(LocalTree<'a>),
 }
 
 impl Local<'_> {
@@ -65,6 +75,7 @@ impl Local<'_> {
         match self {
             Self::Double(field) => field.pdf(wi),
             Self::Gmm(mixture) => mixture.pdf(wi),
+            Self::Ppg(tree) => tree.pdf(wi),
         }
     }
 
@@ -73,6 +84,7 @@ impl Local<'_> {
         match self {
             Self::Double(field) => field.sample(select, u),
             Self::Gmm(mixture) => mixture.sample(select.x, u),
+            Self::Ppg(tree) => tree.sample(select.x, u),
         }
     }
 }
@@ -105,9 +117,9 @@ pub(super) fn is_matt(bsdf: &Bsdf, lobes: Rest) -> bool {
     bsdf.roughness() >= MATT && (lobes != Rest::ALL || !bsdf.flags().has(LobeFlags::DELTA))
 }
 
-impl Guide {
+impl<F: Cells> Guide<F> {
     /// A field that is trusted half of the time everywhere.
-    pub fn new(field: Field) -> Self {
+    pub fn new(field: F) -> Self {
         let fractions = Fractions::new(&field);
         Self {
             field,
@@ -124,6 +136,36 @@ impl Guide {
         };
         Self { fractions, ..self }
     }
+
+    /// Learns how often to trust the field from what it has guided.
+    pub fn learn_fractions(&mut self, parts: &[Vec<FractionRecord>]) {
+        let parts: Vec<_> = parts.iter().map(|part| &part[..]).collect();
+        self.fractions.update_in_parts(&self.field, &parts);
+    }
+
+    /// Guides by a field that refines this one; `share` as in [`Guide::with_mixture`].
+    pub fn renew(&mut self, field: F, share: Option<f32>) {
+        let fractions = self.fractions.carried_over(&self.field, &field);
+        let manifold = self.manifold.take();
+        let renewed = Self {
+            field,
+            fractions,
+            manifold,
+        };
+        *self = renewed.with_mixture(share);
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> u64 {
+        let chains = self.manifold.as_ref().map(|a| a.chains().bytes());
+        self.field.bytes() + chains.unwrap_or(0)
+    }
+
+    /// Sets the rate of manifold next-event estimation, if there are chains to sample; 0 ends it.
+    pub fn set_manifold_rate(&mut self, rate: f32) {
+        let manifold = self.manifold.take().map(|m| m.with_rate(rate));
+        self.manifold = manifold.filter(|_| rate > 0.0);
+    }
 }
 
 impl<'a> Guidance<'a> {
@@ -132,7 +174,17 @@ impl<'a> Guidance<'a> {
     pub fn manifold(&self) -> Option<&'a ManifoldSampling> {
         match self {
             Self::Double(guide) => guide.manifold.as_ref(),
+            Self::Ppg(guide) => guide.manifold.as_ref(),
             Self::Gmm(_) => None,
+        }
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> u64 {
+        match self {
+            Self::Double(guide) => guide.bytes(),
+            Self::Gmm(mixtures) => mixtures.bytes(),
+            Self::Ppg(guide) => guide.bytes(),
         }
     }
 
@@ -151,6 +203,7 @@ impl<'a> Guidance<'a> {
         }
         let (local, irradiance, chances) = match self {
             Self::Double(guide) => guide.ask(point, bsdf, wo, throughput)?,
+            Self::Ppg(guide) => guide.ask(point, bsdf, wo)?,
             Self::Gmm(mixtures) => {
                 let mixture = mixtures.at(point.p, point.facing(wo))?;
                 // Mixtures learn no chances of their own.
@@ -167,19 +220,30 @@ impl<'a> Guidance<'a> {
     }
 }
 
+/// Where there is one, the normal above which all light comes that the surface sends on.
+#[inline]
+fn horizon(bsdf: &Bsdf, wo: Vec3) -> Option<Vec3> {
+    let normal = bsdf.light_normal(wo);
+    (normal != Vec3::ZERO).then_some(normal)
+}
+
+impl Guide<SdTree> {
+    /// The same of an SD-tree.
+    #[inline]
+    fn ask(
+        &self,
+        point: &SurfacePoint,
+        bsdf: &Bsdf,
+        wo: Vec3,
+    ) -> Option<(Local<'_>, Rgb, Chances)> {
+        let normal = point.facing(wo);
+        let local = self.field.at(point.p, normal, horizon(bsdf, wo))?;
+        let chances = self.fractions.chances(local.cell());
+        Some((Local::Ppg(local), local.irradiance(), chances))
+    }
+}
+
 impl Guide {
-    /// Bytes held.
-    pub fn bytes(&self) -> u64 {
-        let chains = self.manifold.as_ref().map(|a| a.chains().bytes());
-        self.field.bytes() + chains.unwrap_or(0)
-    }
-
-    /// Sets the rate of manifold next-event estimation, if there are chains to sample; 0 ends it.
-    pub fn set_manifold_rate(&mut self, rate: f32) {
-        let manifold = self.manifold.take().map(|m| m.with_rate(rate));
-        self.manifold = manifold.filter(|_| rate > 0.0);
-    }
-
     /// The field at a vertex, the irradiance there and the chances of what to do; nothing without
     /// light.
     #[inline]
@@ -190,11 +254,9 @@ impl Guide {
         wo: Vec3,
         throughput: Rgb,
     ) -> Option<(Local<'_>, Rgb, Chances)> {
-        let horizon = bsdf.light_normal(wo);
-        let horizon = (horizon != Vec3::ZERO).then_some(horizon);
-        let local = self
-            .field
-            .at_side(point.p, point.facing(wo), horizon, throughput);
+        let normal = point.facing(wo);
+        let horizon = horizon(bsdf, wo);
+        let local = self.field.at_side(point.p, normal, horizon, throughput);
         if !local.has_light() {
             return None;
         }

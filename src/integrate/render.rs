@@ -35,7 +35,7 @@ pub fn resume(
     let iteration = learner
         .as_deref_mut()
         .map(|learner| train_passes(&job, learner, film, limits, &elapsed));
-    let guide = learner.map_or(view.guide, |l| l.worthwhile_guide().map(Into::into));
+    let guide = learner.map_or(view.guide, |l| l.worthwhile_guide());
     let job = job.go_on(iteration.unwrap_or_default(), guide);
     let mut spp = film.spp_done();
     // Between passes, where a render that was never interrupted looks at the noise.

@@ -30,6 +30,7 @@ WAYS = {
     "constants": ["render", "--guide", "double", "--guide-model", "constant", "--trial", "never"],
     "unshared": ["render", "--guide", "double", "--trial", "never", "--reuse", "1", "--adaptive", "never"],
     "gmm": ["render", "--guide", "gmm", "--photons", "50000"],
+    "ppg": ["render", "--guide", "ppg", "--trial", "never"],
     "field": ["train", "--photons", "30000", "--paths", "60000"],
 }
 

@@ -1,4 +1,4 @@
-//! `twintree table1`, and the mixtures that it compares with.
+//! `twintree table1`, and the rivals that it compares with.
 
 use super::support::{Place, read_channels};
 use serde_json::Value;
@@ -40,6 +40,7 @@ fn every_method_has_a_row_of_numbers_that_make_sense() {
         [
             "none",
             "gmm",
+            "ppg",
             "double",
             "double-vmf",
             "double-gauss",
@@ -64,7 +65,8 @@ fn every_method_has_a_row_of_numbers_that_make_sense() {
         assert!(ran.out.contains(part), "{part:?} is missing: {}", ran.out);
     }
     let pictures = std::fs::read_dir(place.path("pictures")).unwrap();
-    assert_eq!(pictures.count(), 7);
+    // One of each method, and the reference.
+    assert_eq!(pictures.count(), rows.len() + 1);
 }
 
 #[test]
@@ -177,4 +179,56 @@ fn mixtures_refuse_what_they_cannot_do() {
     place
         .run("render scene.xml --guide gmm --field a.field")
         .fails(2, &["--guide gmm does not go with --field"]);
+}
+
+#[test]
+fn an_sd_tree_guides_a_render_to_the_same_mean_and_the_same_bits_on_any_number_of_threads() {
+    let place = place();
+    // Samples that are spread evenly are better than their variance says, and that of the few
+    // pixels at the edge of a visible lamp is told too small.
+    let words = "render scene.xml --spp 1024 --sampler independent --hide-emitters --format float \
+                 --aov variance";
+    let guided = format!("{words} --guide ppg --trial never --adaptive never --reuse 1");
+    place
+        .run(&format!("{guided} -o a.exr -j 1 --stats a.json"))
+        .ok();
+    place.run(&format!("{guided} -o b.exr -j 3")).ok();
+    let read = |name| read_channels(&place.path(name));
+    assert!(read("a.exr") == read("b.exr"));
+    let stats = json(&place, "a.json");
+    assert!(stats["field_memory_bytes"].as_u64().unwrap() > 0);
+    assert!(stats["field"]["links"].as_u64().unwrap() > 100, "{stats:#}");
+    place
+        .run(&format!("{words} --guide none --seed 2 -o plain.exr"))
+        .ok();
+    place.run("compare a.exr -r plain.exr --json z.json").ok();
+    let errors = &json(&place, "z.json")["images"][0];
+    for c in 0..3 {
+        let z = errors["z"]["of_mean"][c].as_f64().unwrap();
+        // Once in a thousand times it is beyond that.
+        assert!(z.abs() < 3.3, "{errors:#}");
+        // A bias of 1 % would be, even if chance took 3.3 standard errors (the difference over z)
+        // off it.
+        let error = (errors["mean_ratio_rgb"][c].as_f64().unwrap() - 1.0) / z;
+        assert!(error > 0.0 && error < 0.01 / (2.0 * 3.3), "{errors:#}");
+    }
+    // 99.9 % of 1296 numbers are expected, in threes: more than 13 outside hardly ever.
+    let inside = errors["z"]["inside"].as_f64().unwrap();
+    assert!(inside > 0.99, "{errors:#}");
+}
+
+#[test]
+fn sd_trees_are_not_kept_in_files_and_know_no_photons() {
+    let place = place();
+    place
+        .run("render scene.xml --guide ppg --field a.field")
+        .fails(2, &["--guide ppg does not go with --field"]);
+    place
+        .run("render scene.xml --spp 2 --guide ppg --photons 100 -o a.exr")
+        .ok()
+        .says(&["--photons has no effect: --guide ppg learns from camera paths alone"]);
+    place.run("render scene.xml --guide ppg --paths 0").fails(
+        2,
+        &["--guide ppg learns from camera paths alone", "--paths"],
+    );
 }

@@ -32,7 +32,7 @@ pub struct Table1Args {
         long = "method",
         value_name = "NAMES",
         value_delimiter = ',',
-        default_value = "none,gmm,double,double-vmf,double-gauss,double-render",
+        default_value = "none,gmm,ppg,double,double-vmf,double-gauss,double-render",
         value_parser = METHODS,
         help_heading = "Guiding"
     )]
@@ -49,7 +49,7 @@ pub struct Table1Args {
     /// Memory for mixtures while they are learned: they take what they need, unless this is little
     #[arg(long, value_name = "BYTES", default_value = "256M", value_parser = values::bytes, help_heading = "Guiding")]
     pub gmm_memory: usize,
-    /// Camera paths that teach the field of double-render, as in "twintree render"
+    /// Camera paths that teach the field of double-render and of ppg, as in "twintree render"
     #[arg(long, value_name = "N", default_value_t = PATHS, value_parser = values::amount_or_zero, help_heading = "Guiding")]
     pub paths: u64,
     /// How many pixels' paths share what they find, with every method that guides, as in "twintree
@@ -95,6 +95,9 @@ pub const METHODS: Choice<Method> = choice! {
     "none" => Method::None,
     /// Cached Gaussian mixtures (Vorba et al. 2014)
     "gmm" => Method::Gmm,
+    /// The SD-tree of practical path guiding (Mueller et al. 2017, Rath et al. 2020), which learns
+    /// from the image's own first samples
+    "ppg" => Method::Ppg,
     /// The double hierarchy with constants
     "double" => Method::Double(ModelKind::Constant),
     /// The double hierarchy with von Mises-Fisher lobes
@@ -113,6 +116,8 @@ pub enum Method {
     None,
     /// Mixtures.
     Gmm,
+    /// An SD-tree.
+    Ppg,
     /// A double hierarchy of that model, learned before rendering.
     Double(ModelKind),
     /// A double hierarchy as a render learns it.

@@ -7,7 +7,7 @@ use crate::cli::guide_args::PATHS;
 use crate::film::layers::{Layers, Metadata};
 use crate::guide::ModelKind;
 use crate::image::{self, Image, PixelType, WriteOptions};
-use crate::integrate::training::LearnSettings;
+use crate::integrate::training::{LearnSettings, Learner};
 use crate::report::words;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -41,7 +41,8 @@ pub fn rendered(args: &Table1Args, subject: &Subject) -> Result<(Image, PathBuf)
         paths: PATHS,
         ..subject.learning(&settings, DOUBLING_BATCHES, ModelKind::Constant)
     };
-    let (film, _) = subject.draw_learning(&view, &how, &samples(spp))?;
+    let learner = Learner::new(&view, &how)?;
+    let (film, _) = subject.draw_learning(&view, learner, &samples(spp));
     let metadata = Metadata {
         scene: name.to_owned(),
         settings: format!("reference of table1, seed {}", settings.seed),

@@ -9,6 +9,7 @@ use crate::cli::{Failure, settings};
 use crate::film::layers::{Layers, Metadata};
 use crate::film::{Film, FilmDescription};
 use crate::guide::ModelKind;
+use crate::guide::ppg::Target;
 use crate::image::Image;
 use crate::integrate::guiding::Guidance;
 use crate::integrate::progress::{Limits, Observer, Progress, Spent};
@@ -212,25 +213,26 @@ impl Subject {
                 return Ok(self.draw(&view, Some(guide), bytes, start.elapsed()));
             }
             Method::Double(model) => model,
-            Method::DoubleRender => {
+            Method::DoubleRender | Method::Ppg => {
                 let guided = GuidedSettings {
                     manifold: true,
                     adaptive: true,
                     ..settings.guided
                 };
                 let settings = PathSettings { guided, ..settings };
-                return self.learn_and_draw(&self.view(&settings));
+                return self.learn_and_draw(&self.view(&settings), method);
             }
         };
         let how = self.learning(&settings, DOUBLING_BATCHES, model);
         let learner = Learner::new(&view, &how)?;
         let elapsed = start.elapsed();
         let bytes = [learner.guide().bytes(), learner.stats().training_bytes];
-        Ok(self.draw(&view, Some(learner.guide().into()), bytes, elapsed))
+        Ok(self.draw(&view, Some(learner.guide()), bytes, elapsed))
     }
 
-    /// Learns on the way, from photons as needed and from the image's own first samples.
-    fn learn_and_draw(&self, view: &View) -> Result<Run, Failure> {
+    /// Learns on the way, from the image's own first samples, and from photons as needed where the
+    /// method takes any.
+    fn learn_and_draw(&self, view: &View, method: Method) -> Result<Run, Failure> {
         let limits = samples(self.spp);
         let how = LearnSettings {
             photons: settings::photons_as_needed(self.film(), &limits),
@@ -238,7 +240,11 @@ impl Subject {
             ..self.learning(view.settings, DOUBLING_BATCHES, ModelKind::Gauss)
         };
         let start = Instant::now();
-        let (film, learner) = self.draw_learning(view, &how, &limits)?;
+        let learner = match method {
+            Method::Ppg => Learner::ppg(view, &how, Target::default()),
+            _ => Learner::new(view, &how),
+        }?;
+        let (film, learner) = self.draw_learning(view, learner, &limits);
         let preprocessing = learner.elapsed();
         Ok(Run {
             rendering: start.elapsed().saturating_sub(preprocessing),
@@ -250,20 +256,16 @@ impl Subject {
     }
 
     /// Renders with a field that is learned on the way.
-    ///
-    /// # Errors
-    /// When there is nothing to learn from.
     pub fn draw_learning(
         &self,
         view: &View,
-        how: &LearnSettings,
+        mut learner: Learner,
         limits: &Limits,
-    ) -> Result<(Film, Learner), Failure> {
-        let mut learner = Learner::new(view, how)?;
+    ) -> (Film, Learner) {
         let mut film = Film::new(self.film());
         let (taught, spent) = (Some(&mut learner), Spent::default());
         resume(view, taught, &mut film, limits, spent, &Silent);
-        Ok((film, learner))
+        (film, learner)
     }
 
     fn draw(

@@ -4,7 +4,7 @@ use super::count::add_traced;
 use super::record::{PathRecords, TrainingSamples};
 use crate::camera::CameraRay;
 use crate::integrate::context::{PathContext, View};
-use crate::integrate::guiding::Guide;
+use crate::integrate::guiding::Guidance;
 use crate::integrate::settings::PathSettings;
 use crate::integrate::wave::{LONG, Wave};
 use crate::math::{PathSampler, Vec2};
@@ -19,7 +19,7 @@ const WAVE_PATHS: u64 = 4096;
 /// evenly. No path is endless: there is no image whose mean that could change.
 pub(super) fn training_samples(
     view: &View,
-    guide: Option<&Guide>,
+    guide: Option<Guidance>,
     range: Range<u64>,
 ) -> Vec<TrainingSamples> {
     let starts: Vec<u64> = range.clone().step_by(WAVE_PATHS as usize).collect();
@@ -29,7 +29,7 @@ pub(super) fn training_samples(
     };
     let context = PathContext {
         settings: &settings,
-        guide: guide.map(Into::into),
+        guide,
         ..view.context()
     };
     starts

@@ -153,7 +153,7 @@ pub fn extend(
             more.paths,
         );
         for piece in pieces(numbers) {
-            let training_samples = training_samples(view, Some(&guide), piece);
+            let training_samples = training_samples(view, Some((&guide).into()), piece);
             let samples = training_samples.into_iter().map(|l| l.samples).collect();
             file.trainer.train_paths(samples);
         }

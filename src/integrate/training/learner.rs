@@ -13,17 +13,18 @@
 
 use super::camera_paths::training_samples;
 use super::effort::Effort;
-use super::importance;
-use super::photons::{PhotonTraining, Portion, ROUNDS, prepare, room};
+use super::importance::{self, Look};
+use super::method::Method;
+use super::photons::room;
 use super::record::TrainingSamples;
 use super::settings::LearnSettings;
-use super::trial::{self, Verdict};
+use super::trial::Verdict;
+use crate::guide::ppg::{self, PpgTrainer, SdTree};
 use crate::guide::{
     Field, FractionRecord, Fractions, GuideError, ModelKind, PathSample, Stats, Trainer,
 };
 use crate::integrate::context::View;
-use crate::integrate::guiding::Guide;
-use crate::integrate::manifold::{ManifoldSampling, find_chains};
+use crate::integrate::guiding::{Guidance, Guide};
 use crate::photon::PhotonCounts;
 use crate::photon::schedule::doubling;
 use crate::scene::Scene;
@@ -62,10 +63,8 @@ pub struct Learned {
 #[derive(Debug)]
 pub struct Learner {
     settings: LearnSettings,
-    trainer: Trainer,
-    guide: Guide,
+    method: Method,
     effort: Effort,
-    photons: PhotonTraining,
     taught: u64,
     /// Vertices of a path that taught.
     vertices: f64,
@@ -82,28 +81,37 @@ impl Learner {
     /// # Errors
     /// When the scene's bounds are empty or a setting is out of range.
     pub fn new(view: &View, settings: &LearnSettings) -> Result<Self, GuideError> {
+        Self::begin(view, settings, |look, begun| {
+            Method::double(view, settings, look, begun)
+        })
+    }
+
+    /// The same for an SD-tree, which learns from camera paths alone.
+    ///
+    /// # Errors
+    /// When the scene's bounds are empty or a setting is out of range.
+    pub fn ppg(
+        view: &View,
+        settings: &LearnSettings,
+        target: ppg::Target,
+    ) -> Result<Self, GuideError> {
+        Self::begin(view, settings, |_, _| Method::ppg(view, settings, target))
+    }
+
+    fn begin(
+        view: &View,
+        settings: &LearnSettings,
+        method: impl FnOnce((&Look, Effort), Instant) -> Result<Method, GuideError>,
+    ) -> Result<Self, GuideError> {
         let start = Instant::now();
-        let mut trainer = prepare(view.scene, settings)?;
         let look = importance::look(view, settings.photons);
-        if !settings.photons.is_none() {
-            trainer.set_importance(&look.points, importance::PER_CELL);
-        }
         let effort = Effort::new(settings.photons, &look);
-        let mut photons = PhotonTraining::new(settings, effort);
-        let helping = match settings.trial && settings.paths > 0 {
-            true => Portion::First,
-            false => Portion::All,
-        };
-        photons.teach(view.scene, settings, &mut trainer, helping, start);
-        let mut guide = Guide::new(trainer.freeze()).with_mixture(settings.mixture);
-        guide.manifold = find_chains(view, settings.photons).map(ManifoldSampling::new);
+        let method = method((&look, effort), start)?;
         Ok(Self {
-            guide,
             vertices: MORE_VERTICES * look.vertices_a_path().max(1.0),
-            peak: photons.peak,
-            trainer,
+            peak: method.photons_peak(),
+            method,
             effort,
-            photons,
             settings: settings.clone(),
             taught: 0,
             verdict: None,
@@ -112,14 +120,14 @@ impl Learner {
     }
 
     /// What is known so far.
-    pub fn guide(&self) -> &Guide {
-        &self.guide
+    pub fn guide(&self) -> Guidance<'_> {
+        self.method.guide()
     }
 
     /// What is known so far, unless it turned out that guiding does not pay.
-    pub fn worthwhile_guide(&self) -> Option<&Guide> {
+    pub fn worthwhile_guide(&self) -> Option<Guidance<'_>> {
         let pays = self.verdict.is_none_or(|v| v.pays());
-        pays.then_some(&self.guide)
+        pays.then(|| self.guide())
     }
 
     /// Whether more camera paths are wanted.
@@ -153,9 +161,9 @@ impl Learner {
     /// Paths of a pass that teach, at most.
     pub fn most_training_paths(&self) -> u64 {
         let bytes = VERTEX_BYTES as f64 * self.vertices;
-        let most = (room(&self.settings, &self.trainer) as f64 / bytes) as u64;
+        let most = (room(&self.settings, self.method.bytes()) as f64 / bytes) as u64;
         let sure = self.verdict.is_some() || !self.settings.trial;
-        most.min(self.effort.training_paths(sure))
+        most.min(self.effort.training_paths(sure, self.method.lesson()))
             .clamp(1, MOST_TRAINING_PATHS)
     }
 
@@ -171,23 +179,20 @@ impl Learner {
         if !verdict.pays() {
             return;
         }
-        let (settings, trainer) = (&self.settings, &mut self.trainer);
         let begun = start.checked_sub(self.elapsed).unwrap_or(start);
-        self.photons
-            .teach(view.scene, settings, trainer, Portion::All, begun);
-        self.peak = self.peak.max(self.photons.peak);
-        self.renew();
+        self.method.teach_photons(view.scene, &self.settings, begun);
+        self.peak = self.peak.max(self.method.photons_peak());
         self.elapsed += start.elapsed();
     }
 
     /// Tries how often manifold next-event estimation pays, where no pass of an image will.
     pub fn try_manifold(&mut self, view: &View) {
-        trial::try_manifold(view, &mut self.guide);
+        self.method.try_manifold(view);
     }
 
     /// Sets the rate of manifold next-event estimation.
     pub fn set_manifold_rate(&mut self, rate: f32) {
-        self.guide.set_manifold_rate(rate);
+        self.method.set_manifold_rate(rate);
     }
 
     /// Whether guiding pays, if that was tried.
@@ -205,41 +210,20 @@ impl Learner {
             .map(|l| l.samples.len() as u64)
             .sum();
         self.vertices = (vertices as f64 / paths.max(1) as f64).max(1.0);
-        let bytes = self.trainer.bytes() + vertices * VERTEX_BYTES;
+        let bytes = self.method.bytes() + vertices * VERTEX_BYTES;
         self.peak = self.peak.max(bytes);
-        // Records are let go of as soon as they have taught: they are most of what learning holds.
         let (samples, fractions): (Vec<_>, Vec<_>) = training_samples
             .iter_mut()
             .map(std::mem::take)
             .map(|training_samples| (training_samples.samples, training_samples.fractions))
             .unzip();
-        if self.settings.mixture.is_none() {
-            let parts: Vec<_> = fractions.iter().map(|f| &f[..]).collect();
-            let guide = &mut self.guide;
-            guide.fractions.update_in_parts(&guide.field, &parts);
-        }
-        drop(fractions);
-        self.trainer.train_paths(samples);
-        self.trainer.refine_rounds(ROUNDS);
-        self.renew();
+        self.method.take(samples, fractions, &self.settings);
         self.elapsed += start.elapsed();
-    }
-
-    /// Guides by what is known now.
-    fn renew(&mut self) {
-        let field = self.trainer.freeze();
-        let fractions = self.guide.fractions.carried_over(&self.guide.field, &field);
-        self.guide = Guide {
-            field,
-            fractions,
-            manifold: self.guide.manifold.take(),
-        }
-        .with_mixture(self.settings.mixture);
     }
 
     /// What became of the photons.
     pub fn counts(&self) -> PhotonCounts {
-        self.photons.counts
+        self.method.counts()
     }
 
     /// Most bytes that learning held: trees, and the records that they learned from.
@@ -249,7 +233,7 @@ impl Learner {
 
     /// The trees in numbers.
     pub fn stats(&self) -> Stats {
-        self.trainer.stats()
+        self.method.stats()
     }
 
     /// Wall-clock time that learning took so far, the tracing of camera paths left out.
@@ -275,11 +259,15 @@ pub fn learn(view: &View, settings: &LearnSettings) -> Result<Learned, GuideErro
             from = to;
         }
     }
+    let (stats, counts) = (learner.stats(), learner.counts());
+    let Method::Double(double) = learner.method else {
+        unreachable!("a learner that was made by new");
+    };
     Ok(Learned {
-        stats: learner.stats(),
-        counts: learner.counts(),
-        guide: learner.guide,
-        trainer: learner.trainer,
+        stats,
+        counts,
+        guide: double.guide,
+        trainer: double.trainer,
         elapsed: start.elapsed(),
     })
 }
@@ -288,6 +276,17 @@ pub fn learn(view: &View, settings: &LearnSettings) -> Result<Learned, GuideErro
 pub fn garbage(scene: &Scene, model: ModelKind, seed: u64) -> Guide {
     let bounds = scene.rays.bounds();
     let field = Field::random(bounds.min, bounds.max, model, seed);
+    Guide {
+        fractions: Fractions::random(&field, seed),
+        manifold: None,
+        field,
+    }
+}
+
+/// An SD-tree of noise over the scene's bounds, for the same.
+pub fn garbage_sd_tree(scene: &Scene, seed: u64) -> Guide<SdTree> {
+    let bounds = scene.rays.bounds();
+    let field = PpgTrainer::random(bounds.min, bounds.max, seed).freeze();
     Guide {
         fractions: Fractions::random(&field, seed),
         manifold: None,

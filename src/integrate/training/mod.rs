@@ -7,6 +7,7 @@ pub mod effort;
 pub mod extend;
 pub mod importance;
 mod learner;
+mod method;
 pub mod mixtures;
 mod passes;
 mod photons;
@@ -16,6 +17,6 @@ mod settings;
 pub mod trial;
 
 pub use count::traced;
-pub use learner::{Learned, Learner, garbage, learn};
+pub use learner::{Learned, Learner, garbage, garbage_sd_tree, learn};
 pub(super) use passes::train_passes;
 pub use settings::LearnSettings;

@@ -12,7 +12,7 @@ use crate::film::Film;
 use crate::integrate::adaptive::{self, Survey};
 use crate::integrate::camera_sample::Iteration;
 use crate::integrate::context::PathContext;
-use crate::integrate::guiding::Guide;
+use crate::integrate::guiding::Guidance;
 use crate::integrate::progress::{Limits, PASS_SPP, Progress};
 use crate::integrate::tiles::Job;
 use rayon::prelude::*;
@@ -117,11 +117,11 @@ fn pass(
     job: &Job,
     film: &mut Film,
     (range, iteration): (Range<u64>, &Iteration),
-    (guide, stride): (&Guide, u32),
+    (guide, stride): (Guidance, u32),
     told: &mut PassRecords,
 ) -> bool {
     let context = PathContext {
-        guide: Some(guide.into()),
+        guide: Some(guide),
         ..job.view.context()
     };
     film.tiles_mut()

@@ -77,7 +77,7 @@ impl PhotonTraining {
         while let Some(mut photons) = self.schedule.next_batch() {
             let (before, landed_before, mut gain) = (self.landings, self.counts.emitted, 0.0);
             while !photons.is_empty() {
-                let room = room(settings, trainer) / LANDING_BYTES;
+                let room = room(settings, trainer.bytes()) / LANDING_BYTES;
                 let part = part(&mut photons, self.landings, room.min(BATCH));
                 gain += self.learn_from(scene, settings, trainer, part);
             }
@@ -111,10 +111,15 @@ impl PhotonTraining {
     }
 }
 
-/// Bytes that records may take beside the trees.
-pub(super) fn room(settings: &LearnSettings, trainer: &Trainer) -> u64 {
+/// Bytes that records may take beside trees that take so many.
+pub(super) fn room(settings: &LearnSettings, trees: u64) -> u64 {
     let least = settings.memory / LEAST_ROOM;
-    settings.memory.saturating_sub(trainer.bytes()).max(least)
+    settings.memory.saturating_sub(trees).max(least)
+}
+
+/// Bytes that trees may take: the rest is for the records.
+pub(super) fn trees_memory(settings: &LearnSettings) -> u64 {
+    settings.memory - settings.memory / LEAST_ROOM
 }
 
 /// Points for a field that is learned from so many photons.
@@ -130,8 +135,7 @@ fn area_points(photons: Budget) -> usize {
 pub(super) fn prepare(scene: &Scene, settings: &LearnSettings) -> Result<Trainer, GuideError> {
     let bounds = scene.rays.bounds();
     let mut guide_settings = Settings::new(bounds.min, bounds.max);
-    // The rest is for the records.
-    guide_settings.memory = settings.memory - settings.memory / LEAST_ROOM;
+    guide_settings.memory = trees_memory(settings);
     guide_settings.seed = settings.photon.seed;
     guide_settings.model = settings.model;
     guide_settings.source = match (settings.photons.is_none(), settings.paths) {

@@ -17,9 +17,10 @@
 
 use super::effort;
 use crate::film::{FLOOR, Film, FilmDescription, Pixel, Shard, Tile};
+use crate::guide::Cells;
 use crate::integrate::camera_sample::Iteration;
 use crate::integrate::context::{PathContext, View};
-use crate::integrate::guiding::Guide;
+use crate::integrate::guiding::{Guidance, Guide};
 use crate::integrate::manifold::rate::{RateStatistics, RateTrial};
 use crate::integrate::progress::{Observer, Progress};
 use crate::integrate::tiles::Job;
@@ -118,7 +119,7 @@ impl Verdict {
 pub(super) fn trial(
     job: &Job,
     film: &FilmDescription,
-    guide: &Guide,
+    guide: Guidance,
     paths: u64,
 ) -> (Verdict, f32) {
     let scope = Scope::new(film, paths);
@@ -171,14 +172,17 @@ pub(super) fn unguided_noise(view: &View, paths: u64) -> (f64, f64) {
 
 /// Finds the rate of manifold next-event estimation where a view is guided by a field that was
 /// learned before.
-pub fn try_manifold(view: &View, guide: &mut Guide) {
+pub fn try_manifold<F: Cells>(view: &View, guide: &mut Guide<F>)
+where
+    for<'a> Guidance<'a>: From<&'a Guide<F>>,
+{
     if guide.manifold.is_none() {
         return;
     }
     let observer = Unwatched;
     let job = Job::new(view, &observer, 0);
     let scope = Scope::new(view.film, u64::MAX);
-    let way = scope.render(&job, view.film, Some(guide), &SETS[..1]);
+    let way = scope.render(&job, view.film, Some((&*guide).into()), &SETS[..1]);
     let mut rates = RateTrial::default();
     let mut variances = Vec::new();
     for (tile, found) in way.tiles[0].iter().zip(&way.gains) {
@@ -250,7 +254,7 @@ impl Scope {
     }
 
     /// The tiles by both point sets.
-    fn both(&self, job: &Job, film: &FilmDescription, guide: Option<&Guide>) -> Way {
+    fn both(&self, job: &Job, film: &FilmDescription, guide: Option<Guidance>) -> Way {
         self.render(job, film, guide, &SETS)
     }
 
@@ -258,11 +262,11 @@ impl Scope {
         &self,
         job: &Job,
         film: &FilmDescription,
-        guide: Option<&Guide>,
+        guide: Option<Guidance>,
         sets: &[u64],
     ) -> Way {
         let context = PathContext {
-            guide: guide.map(Into::into),
+            guide,
             ..job.view.context()
         };
         let before = job.rays();
