@@ -57,7 +57,7 @@ pub struct GuidedArgs {
     pub roulette: Roulette,
     /// How many pixels' paths share what they find behind their first rough vertices, where a field
     /// guides; 1: each is for itself, and the noise of neighbours independent
-    #[arg(long, value_name = "N", default_value_t = 32, value_parser = value_parser!(u32).range(1..=i64::from(reuse::MAX_GROUP)))]
+    #[arg(long, value_name = "N", default_value_t = REUSE, value_parser = value_parser!(u32).range(1..=i64::from(reuse::MAX_GROUP)))]
     pub reuse: u32,
     /// Manifold next-event estimation: guided paths sample suns and lamps behind glass and in
     /// mirrors, where there are any, as often as a short trial finds worth its time
@@ -121,6 +121,8 @@ pub struct LearnArgs {
 /// three, for small images of 64 samples: variance times time of a kitchen 0.96 instead of 0.90,
 /// veach-ajar 0.41 and 0.42, lux-pool 2.0 and 2.1; the image's own variance up to 1.12 times.)
 pub const PATHS: u64 = 2_000_000;
+/// Pixels whose paths share what they find, unless told otherwise.
+pub const REUSE: u32 = 32;
 /// What describes the directions of a cell, unless told otherwise.
 pub const MODEL: ModelKind = ModelKind::Gauss;
 

@@ -30,9 +30,10 @@ pub struct Fingerprints {
     pub field: Option<u64>,
 }
 
-/// The record of a render that begins with this view, of so many triangles.
+/// The record of a render that begins with this view, of so many triangles. What guides it is
+/// decided.
 pub fn record(
-    args: &RenderArgs,
+    (args, way): (&RenderArgs, Guide),
     view: &View,
     limits: &Limits,
     of: Fingerprints,
@@ -44,7 +45,7 @@ pub fn record(
         identity: Identity {
             scene: of.scene,
             field: of.field,
-            settings: settings(args, view, limits).into_iter().collect(),
+            settings: settings((args, way), view, limits).into_iter().collect(),
         },
         region: film.crop.unwrap_or([0, 0, film.width, film.height]),
         goal: (!endless).then_some(limits.spp),
@@ -64,10 +65,14 @@ pub fn record(
 }
 
 /// Settings that shape pixels, by the names of their options.
-pub fn settings(args: &RenderArgs, view: &View, limits: &Limits) -> BTreeMap<String, String> {
+pub fn settings(
+    (args, way): (&RenderArgs, Guide),
+    view: &View,
+    limits: &Limits,
+) -> BTreeMap<String, String> {
     let mut settings = options(args);
     let guide = &args.guide;
-    let guides = guide.way() != Guide::None;
+    let guides = way != Guide::None;
     // A field from a file has its own fingerprint, whatever it was learned with.
     let learns = guides && guide.field.is_none();
     let mut forget =
@@ -78,7 +83,7 @@ pub fn settings(args: &RenderArgs, view: &View, limits: &Limits) -> BTreeMap<Str
     if !learns {
         forget(options(&guide.learn));
     }
-    settings.extend(options(&in_effect(args, view)));
+    settings.extend(options(&in_effect(way, view)));
     if let (true, Budget::AsNeeded { samples, time }) =
         (learns, settings::photons_for(guide, view.film, limits))
     {
@@ -95,7 +100,7 @@ pub fn settings(args: &RenderArgs, view: &View, limits: &Limits) -> BTreeMap<Str
 
 /// What options come to that are not all there is to say: a scene of some width is as good as
 /// `--width`.
-fn in_effect(args: &RenderArgs, view: &View) -> Value {
+fn in_effect(way: Guide, view: &View) -> Value {
     let (film, path, built) = (view.film, view.settings, view.scene.rays.settings());
     json!({
         "width": film.width,
@@ -107,7 +112,7 @@ fn in_effect(args: &RenderArgs, view: &View) -> Value {
         "hide_emitters": path.hide_emitters,
         "strict_normals": path.strict_normals,
         "sampler": path.sampler,
-        "guide": format!("{:?}", args.guide.way()),
+        "guide": format!("{way:?}"),
         "accel": built.robust.then_some("robust"),
         // Trees built otherwise round their hits otherwise.
         "accel_build": format!("{:?}", (built.quality, built.compact)),

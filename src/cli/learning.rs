@@ -140,12 +140,27 @@ impl Guiding {
     }
 }
 
-/// Prepares guiding, if it is wanted: by the field of a file, or by a new one.
+/// What guides a render: where that is left to the program, a double hierarchy or nothing.
+pub fn decide(args: &GuideArgs, view: &View, limits: &Limits) -> Way {
+    if args.way() != Way::Auto {
+        return args.way();
+    }
+    match prospect::not_worthwhile(view, limits) {
+        Some(why) => {
+            tracing::info!("{why}: no field is learned");
+            Way::None
+        }
+        None => Way::Double,
+    }
+}
+
+/// Prepares guiding, if it is wanted: by the field of a file, or by a new one. `way` is what was
+/// decided.
 ///
 /// # Errors
 /// When there is nothing to learn from.
 pub fn guiding(
-    args: &GuideArgs,
+    (args, way): (&GuideArgs, Way),
     opened: Option<Opened>,
     view: &View,
     limits: &Limits,
@@ -168,7 +183,7 @@ pub fn guiding(
             ..Guiding::default()
         });
     }
-    if args.way() == Way::None {
+    if way == Way::None {
         return Ok(Guiding::default());
     }
     let photons = match args.guide {
@@ -181,15 +196,11 @@ pub fn guiding(
     let mut settings = settings::learn_settings(&args.learn, view.settings, photons)?;
     settings.mixture = args.guided.mixture.0;
     settings.trial = args.guided.trial == When::Auto;
-    let not_worthwhile = || match args.way() {
-        Way::Auto => prospect::not_worthwhile(view, limits),
-        _ => None,
-    };
-    if let Some(why) = prospect::nothing_to_learn(view).or_else(not_worthwhile) {
+    if let Some(why) = prospect::nothing_to_learn(view) {
         tracing::info!("{why}: no field is learned");
         return Ok(Guiding::default());
     }
-    match args.way() {
+    match way {
         Way::Gmm => mixtures(args, view, &settings),
         Way::Ppg => {
             // Whatever --train says.

@@ -81,10 +81,11 @@ pub fn run(args: &RenderArgs, console: &Console, interrupt: &Interrupt) -> Resul
         settings: &settings,
         guide: None,
     };
+    let way = learning::decide(&args.guide, &plain, &limits);
     let record = fingerprint.filter(|_| args.parts.wanted()).map(|scene| {
         let field = field.as_ref().map(|f| f.fingerprint);
         let of = Fingerprints { scene, field };
-        identity::record(args, &plain, &limits, of, triangles)
+        identity::record((args, way), &plain, &limits, of, triangles)
     });
     let mut film = identity::film(args, &description.film)?;
     let track = match &args.reference {
@@ -97,7 +98,7 @@ pub fn run(args: &RenderArgs, console: &Console, interrupt: &Interrupt) -> Resul
     };
     let waiting = Waiting::for_learning(console, args.guide.learn.photons);
     let mut guiding = timed(&mut times.train, || {
-        learning::guiding(&args.guide, field, &plain, &limits)
+        learning::guiding((&args.guide, way), field, &plain, &limits)
     })?;
     drop(waiting);
     let photons = guiding.elapsed();
@@ -132,7 +133,7 @@ pub fn run(args: &RenderArgs, console: &Console, interrupt: &Interrupt) -> Resul
     let mut stats = measure(args, &scene, &loaded, &film, &summary);
     (stats.triangles, stats.load_seconds) = (triangles, times.load);
     (stats.build_seconds, stats.train_seconds) = (times.build, times.train);
-    stats.settings = identity::settings(args, &plain, &limits);
+    stats.settings = identity::settings((args, way), &plain, &limits);
     stats.field_memory_bytes = guiding.bytes();
     if let Some(track) = track {
         track.finish(&film, &summary, &mut stats);

@@ -44,7 +44,8 @@ pub fn run(args: &RenderArgs, PixelSample { pixel, sample }: PixelSample) -> Res
         settings: &settings,
         guide: None,
     };
-    let mut guiding = learning::guiding(&args.guide, field, &plain, &limits)?;
+    let way = learning::decide(&args.guide, &plain, &limits);
+    let mut guiding = learning::guiding((&args.guide, way), field, &plain, &limits)?;
     let path = match &mut guiding.learner {
         Some(learner) => train_until(&plain, learner, limits.spp, pixel, sample),
         None => PathNumber::plain(sample),

@@ -197,7 +197,7 @@ fn a_checkpoint_of_another_render_is_refused_and_says_why() {
     refused(&words(400, "--rfilter tent"), "--rfilter");
     refused(
         &words(400, "--guide double"),
-        "--guide is Double here and Auto",
+        "--guide is Double here and None",
     );
     refused(&words(400, "--shard 0/2"), "the shard is 0/2 here and 0/1");
     refused(&words(400, "--crop 0,0,32,32"), "--crop");

@@ -44,6 +44,9 @@ fn every_method_has_a_row_of_numbers_that_make_sense() {
             "double",
             "double-vmf",
             "double-gauss",
+            "field",
+            "field-reuse",
+            "field-manifold",
             "double-render"
         ]
     );

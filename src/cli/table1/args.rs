@@ -32,7 +32,7 @@ pub struct Table1Args {
         long = "method",
         value_name = "NAMES",
         value_delimiter = ',',
-        default_value = "none,gmm,ppg,double,double-vmf,double-gauss,double-render",
+        default_value = "none,gmm,ppg,double,double-vmf,double-gauss,field,field-reuse,field-manifold,double-render",
         value_parser = METHODS,
         help_heading = "Guiding"
     )]
@@ -49,11 +49,12 @@ pub struct Table1Args {
     /// Memory for mixtures while they are learned: they take what they need, unless this is little
     #[arg(long, value_name = "BYTES", default_value = "256M", value_parser = values::bytes, help_heading = "Guiding")]
     pub gmm_memory: usize,
-    /// Camera paths that teach the field of double-render and of ppg, as in "twintree render"
+    /// Camera paths that teach the fields of the rows from "field" on and of ppg, as in "twintree
+    /// render"
     #[arg(long, value_name = "N", default_value_t = PATHS, value_parser = values::amount_or_zero, help_heading = "Guiding")]
     pub paths: u64,
     /// How many pixels' paths share what they find, with every method that guides, as in "twintree
-    /// render"; 1: each is for itself, as in the paper
+    /// render"; 1: each is for itself, as in the paper, except in the rows from "field-reuse" on
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=i64::from(reuse::MAX_GROUP)), help_heading = "Guiding")]
     pub reuse: u32,
     /// Times that everything is done, with a seed of its own each; medians count. The methods take
@@ -104,9 +105,15 @@ pub const METHODS: Choice<Method> = choice! {
     "double-vmf" => Method::Double(ModelKind::Vmf),
     /// The double hierarchy with Gaussian mixtures
     "double-gauss" => Method::Double(ModelKind::Gauss),
-    /// The same as "twintree render --guide double" has it: it takes as many of the photons as the
-    /// image is worth, and learns from the image's own first samples
-    "double-render" => Method::DoubleRender,
+    /// The same as "twintree render --guide double" learns it: from as many of the photons as the
+    /// image is worth, and from the image's own first samples; nothing else that a render does
+    "field" => Method::Render(Extras { reuse: false, manifold: false, adaptive: false }),
+    /// Beside that paths share what they find, in groups as in "twintree render"
+    "field-reuse" => Method::Render(Extras { reuse: true, manifold: false, adaptive: false }),
+    /// And there is manifold next-event estimation
+    "field-manifold" => Method::Render(Extras { reuse: true, manifold: true, adaptive: false }),
+    /// And samples go where the noise is: all that "twintree render --guide double" does
+    "double-render" => Method::Render(Extras { reuse: true, manifold: true, adaptive: true }),
 };
 
 /// A method.
@@ -120,6 +127,17 @@ pub enum Method {
     Ppg,
     /// A double hierarchy of that model, learned before rendering.
     Double(ModelKind),
-    /// A double hierarchy as a render learns it.
-    DoubleRender,
+    /// A double hierarchy as a render learns it, with what a render does besides.
+    Render(Extras),
+}
+
+/// What a guided render does beside sampling from its field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Extras {
+    /// Paths of several pixels share what they find.
+    pub reuse: bool,
+    /// Manifold next-event estimation.
+    pub manifold: bool,
+    /// Noisier pixels take more samples.
+    pub adaptive: bool,
 }

@@ -1,7 +1,8 @@
 //! A scene that is rendered by one method after the other.
 
-use super::args::{Method, Table1Args};
+use super::args::{Extras, Method, Table1Args};
 use crate::camera::Camera;
+use crate::cli::guide_args::REUSE;
 use crate::cli::load::{self, Input, Loaded};
 use crate::cli::picture_args::SizeArgs;
 use crate::cli::scene_args::SceneArgs;
@@ -55,6 +56,20 @@ pub struct Run {
     pub preprocessing: Duration,
     /// Time of rendering.
     pub rendering: Duration,
+}
+
+/// How guided paths are traced with what a render does besides. Where no number of pixels that
+/// share is given, it is a render's.
+fn with_extras(guided: GuidedSettings, extras: Extras) -> GuidedSettings {
+    GuidedSettings {
+        reuse: match guided.reuse {
+            1 if extras.reuse => REUSE,
+            given => given,
+        },
+        manifold: extras.manifold,
+        adaptive: extras.adaptive,
+        ..guided
+    }
 }
 
 /// An end after so many samples a pixel.
@@ -213,12 +228,9 @@ impl Subject {
                 return Ok(self.draw(&view, Some(guide), bytes, start.elapsed()));
             }
             Method::Double(model) => model,
-            Method::DoubleRender | Method::Ppg => {
-                let guided = GuidedSettings {
-                    manifold: true,
-                    adaptive: true,
-                    ..settings.guided
-                };
+            Method::Ppg => return self.learn_and_draw(&view, method),
+            Method::Render(extras) => {
+                let guided = with_extras(settings.guided, extras);
                 let settings = PathSettings { guided, ..settings };
                 return self.learn_and_draw(&self.view(&settings), method);
             }

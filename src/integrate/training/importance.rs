@@ -16,7 +16,7 @@ const FEWEST: u64 = 1 << 10;
 /// Vertices that a cell holds on average when the look can tell it from its neighbours.
 pub const PER_CELL: usize = 16;
 /// Edges of a path that is looked at, at most: longer ones have no light left, or no end.
-const FAR: u32 = 128;
+pub(super) const FAR: u32 = 128;
 /// Sets the numbers of these paths apart from those that teach.
 const LOOK: u64 = 0x2545_f491_4f6c_dd1d;
 

@@ -16,6 +16,7 @@
 //! and both images show the same light.
 
 use super::effort;
+use super::importance::FAR;
 use crate::film::{FLOOR, Film, FilmDescription, Pixel, Shard, Tile};
 use crate::guide::Cells;
 use crate::integrate::camera_sample::Iteration;
@@ -23,7 +24,9 @@ use crate::integrate::context::{PathContext, View};
 use crate::integrate::guiding::{Guidance, Guide};
 use crate::integrate::manifold::rate::{RateStatistics, RateTrial};
 use crate::integrate::progress::{Observer, Progress};
+use crate::integrate::settings::PathSettings;
 use crate::integrate::tiles::Job;
+
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -156,9 +159,17 @@ pub(super) fn trial(
 }
 
 /// The noise of an unguided sample: its mean relative error, squared, and how much larger that is
-/// with the worst pixels; by about so many paths.
+/// with the worst pixels; by about so many paths, none of them long.
 pub(super) fn unguided_noise(view: &View, paths: u64) -> (f64, f64) {
-    let job = Job::new(view, &Unwatched, 0);
+    let settings = PathSettings {
+        max_depth: view.settings.max_depth.min(FAR),
+        ..view.settings.clone()
+    };
+    let view = View {
+        settings: &settings,
+        ..*view
+    };
+    let job = Job::new(&view, &Unwatched, 0);
     let scope = Scope::new(view.film, paths);
     let unguided = scope.both(&job, view.film, None);
     let mut errors = Vec::new();
