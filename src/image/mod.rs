@@ -2,7 +2,7 @@
 //!
 //! [`read`] and [`write()`] move whole images of any channels as linear `f32`; [`file::ImageFile`]
 //! reads rows in the file's own precision, for textures. The format of a file to be written follows
-//! from its name. [`metrics`] says how far one image is from another. With the feature `oiio` off
+//! from its name. [`metrics`] says how far one image is from another, [`denoise`] takes noise away. With the feature `oiio` off
 //! the `exr` crate reads and writes EXR, and nothing else is known.
 //!
 //! ```no_run
@@ -16,6 +16,7 @@
 pub mod atomic;
 pub mod curve;
 pub mod decoded;
+pub mod denoise;
 pub mod file;
 pub mod foreign;
 pub mod header;

@@ -8,6 +8,7 @@
 
 use super::Pair;
 use crate::image::Image;
+use crate::image::denoise::NOISY;
 use crate::math::Rgb;
 
 /// What an image knows of its own noise, a number for each pixel.
@@ -20,8 +21,12 @@ pub struct KnownNoise {
 }
 
 impl KnownNoise {
-    /// That of an image that has the layer `variance`.
+    /// That of an image that has the layer `variance`; `None` also for one that was denoised: the
+    /// layer is about its noisy picture.
     pub fn of(image: &Image) -> Option<Self> {
+        if image.channel(NOISY[0]).is_some() {
+            return None;
+        }
         Some(Self {
             variance: layer(image, ["variance.R", "variance.G", "variance.B"])?,
             noise: layer(image, ["noise.R", "noise.G", "noise.B"]),
