@@ -12,7 +12,7 @@ use support::{Built, SceneMaker, Silent, grey, how, inside_of_cube};
 use twintree::accel::{AnalyticKind, Backend};
 use twintree::bsdf::material::Plastic;
 use twintree::film::Film;
-use twintree::film::layers::{Layers, Metadata};
+use twintree::film::{Layers, Metadata};
 use twintree::image::metrics::blocks::KnownNoise;
 use twintree::integrate::progress::{Limits, Spent};
 use twintree::integrate::render::resume;

@@ -210,6 +210,34 @@ impl Bsdf {
         albedo.clamp(Rgb::ZERO, Rgb::ONE)
     }
 
+    /// The normal that it scatters about, world space, bump and normal maps included; where models
+    /// with several are mixed, in between. On the side of the shading normal of its point, or the
+    /// other. Of unit length, or zero where those of a mixture cancel.
+    pub fn normal(&self) -> Vec3 {
+        match &self.form {
+            Form::Tree(tree) if tree.turns_normal() => {
+                let n = tree.normal(tree.root()).normalize_or_zero();
+                self.frame.to_world(n)
+            }
+            Form::Diffuse(_) | Form::Tree(_) => self.frame.n,
+        }
+    }
+
+    /// The share of a path from `wo` that scatters here, instead of being passed on by a mirror or
+    /// by clear glass: 1 where there is no delta lobe, 0 where there is nothing else. Of several
+    /// delta lobes beside others, one counts.
+    #[inline]
+    pub fn rough_share(&self, wo: Vec3) -> f32 {
+        if !self.flags().has(LobeFlags::DELTA) {
+            return 1.0;
+        }
+        if !self.flags().has(LobeFlags::SMOOTH) {
+            return 0.0;
+        }
+        let split = self.split_delta(wo, Transport::Radiance);
+        split.map_or(1.0, |split| split.rest.chance)
+    }
+
     /// Smallest roughness alpha among the smooth lobes: 1 for diffuse, 0 if there is none. Decides
     /// what guiding may touch.
     #[inline]

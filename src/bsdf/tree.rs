@@ -219,6 +219,22 @@ impl Tree {
         }
     }
 
+    /// The node's normal in its local frame: about of unit length, shorter where those of a mixture
+    /// differ.
+    pub fn normal(&self, id: NodeId) -> Vec3 {
+        match self.node(id) {
+            Node::Leaf(_) | Node::Black => Vec3::Z,
+            // Seen from its back, in a mirrored frame, it is on the side of the front again.
+            &Node::Flipped(inner) => -flip(self.normal(inner)),
+            Node::Perturbed(p, inner) => p.frame().to_world(self.normal(*inner)),
+            Node::Mix(mix) => {
+                let [a, b] = mix.weights;
+                self.normal(mix.first) * a + self.normal(mix.second) * b
+            }
+            &Node::Coating(_, inner) | &Node::RoughCoating(_, inner) => self.normal(inner),
+        }
+    }
+
     /// Smallest roughness of the node's smooth parts.
     pub fn roughness(&self, id: NodeId) -> Option<f32> {
         match self.node(id) {

@@ -6,8 +6,8 @@
 //! curve costs an image nothing, however often it is looked at.
 
 use super::Failure;
-use crate::film::layers::{Layers, Metadata};
 use crate::film::{Film, FilmDescription};
+use crate::film::{Layers, Metadata};
 use crate::image::metrics::{Pair, errors::Errors};
 use crate::image::{self, Image};
 use crate::integrate::progress::{Progress, Summary};

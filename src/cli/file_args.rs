@@ -1,9 +1,10 @@
 //! What can be typed about the files of an image.
 
+use super::aov::Aov;
 use super::choice::{Choice, choice};
 use super::values;
 use crate::image::{Compression, PixelType};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use std::path::PathBuf;
 
 /// What is written, and how.
@@ -61,24 +62,3 @@ const PACKINGS: Choice<Compression> = choice! {
     /// Cosine transform, lossy
     "dwaa" => Compression::Dwaa,
 };
-
-/// A layer beside the picture.
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Aov {
-    /// Reflectance of the first surface
-    Albedo,
-    /// Its shading normal, world space
-    Normal,
-    /// Its distance
-    Depth,
-    /// Variance of each pixel's mean
-    Variance,
-    /// Noise like that of the picture, by which `compare` tells how wrong means over blocks may be
-    Noise,
-    /// Samples of each pixel
-    Samples,
-    /// Every layer
-    All,
-    /// The picture alone
-    None,
-}

@@ -13,7 +13,7 @@ use super::output::Outputs;
 use super::render_args::RenderArgs;
 use super::{Failure, memory};
 use crate::film::Film;
-use crate::film::layers::Metadata;
+use crate::film::Metadata;
 use crate::film::part::Record;
 use crate::integrate::progress::{Spent, StoppedBy, Summary};
 use crate::report::stats::Stats;

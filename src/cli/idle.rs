@@ -1,8 +1,9 @@
 //! Options that were typed and change nothing: said, for who types one means something by it.
 
+use super::aov::Aov;
 use super::args::Command;
 use super::field::{FieldArgs, ProbeArgs};
-use super::file_args::{Aov, ExrArgs, FileArgs};
+use super::file_args::{ExrArgs, FileArgs};
 use super::guide_args::{Guide, GuidedArgs, LearnArgs, Teachers};
 use super::help::options_of;
 use super::picture_args::SizeArgs;

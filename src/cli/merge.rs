@@ -8,7 +8,7 @@ use super::file_args::FileArgs;
 use super::output::Outputs;
 use super::{memory, settings};
 use crate::film::Film;
-use crate::film::layers::Metadata;
+use crate::film::Metadata;
 use crate::film::part::{PartReader, Record};
 use crate::film::shard::Deal;
 use crate::report::stats::Stats;

@@ -5,6 +5,7 @@
 //! reads goes to standard error through [`console`]; standard output carries only what was asked
 //! for.
 
+pub mod aov;
 pub mod args;
 pub mod bench;
 pub mod budget;

@@ -1,14 +1,14 @@
 //! The files that a render writes: tried before the work, written after it.
 
 use super::Failure;
+use super::aov;
 use super::checkpoint::Checkpoint;
-use super::file_args::{Aov, FileArgs};
+use super::file_args::FileArgs;
 use super::load::Input;
 use super::render_args::RenderArgs;
 use super::targets::{Named, check_distinct, named, try_target};
-use crate::film::layers::{Layers, Metadata};
 use crate::film::part::{self, Packing, PartReader, Record};
-use crate::film::{Film, Shard};
+use crate::film::{Film, Metadata, Shard};
 use crate::image::{self, Compression, Format, Image, WriteOptions, atomic};
 use std::path::{Path, PathBuf};
 
@@ -144,7 +144,7 @@ impl Outputs {
         exposure: f32,
         metadata: &Metadata,
     ) -> Result<(), Failure> {
-        let picture = film.image(layers_of(&asked.aov), metadata);
+        let picture = film.image(aov::layers(&asked.aov), metadata);
         let options = WriteOptions {
             pixel_type: None,
             compression: asked.exr.compression,
@@ -259,17 +259,4 @@ pub fn check_format(path: &Path) -> Result<(), Failure> {
         ));
     }
     image::load_library().map_err(|why| Failure::refused(why, "install OpenImageIO's library"))
-}
-
-/// The layers that were asked for beside the picture.
-fn layers_of(asked: &[Aov]) -> Layers {
-    let has = |aov| asked.contains(&aov) || asked.contains(&Aov::All);
-    Layers {
-        albedo: has(Aov::Albedo),
-        normal: has(Aov::Normal),
-        depth: has(Aov::Depth),
-        variance: has(Aov::Variance),
-        noise: has(Aov::Noise),
-        samples: has(Aov::Samples),
-    }
 }

@@ -3,25 +3,37 @@
 //! | channels | what | who reads them |
 //! |---|---|---|
 //! | `R G B` | the picture | everyone |
-//! | `albedo.R albedo.G albedo.B` | reflectance of the first surface | OIDN's tools, Blender, Nuke |
-//! | `normal.X normal.Y normal.Z` | its shading normal, world space | the same |
+//! | `albedo.R albedo.G albedo.B` | reflectance of the first rough surface, behind mirrors and glass | denoisers |
+//! | `normal.X normal.Y normal.Z` | its normal, world space | denoisers |
+//! | `albedo.first.R albedo.first.G albedo.first.B` | reflectance of the first surface | Blender, Nuke |
+//! | `normal.first.X normal.first.Y normal.first.Z` | its shading normal, world space | the same |
 //! | `depth.Z` | distance from the camera | Blender, Nuke |
 //! | `variance.R variance.G variance.B` | variance of the picture's pixels over renders with other seeds | `compare` |
 //! | `noise.R noise.G noise.B` | a number of the size of the picture's error: the square of its mean over any block is on average the variance of the picture's mean there | `compare` |
 //! | `samples.Y` | samples of the pixel | merging |
 //!
+//! A picture that was denoised keeps the noisy one in `noisy.R noisy.G noisy.B` (see
+//! [`crate::image::denoise`]).
+//!
 //! The names are `layer.channel`, the convention by which Blender and Nuke group channels.
 
-use super::{Film, Pixel, Tile};
-use crate::image::{Attribute, Channel, Image, PixelType};
+use super::{Film, Metadata, Pixel, Tile};
+use crate::image::{Channel, Image, PixelType};
+
+#[cfg(test)]
+mod tests;
 
 /// Which layers to write beside the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Layers {
-    /// Reflectance of the first surface.
+    /// Reflectance of the first rough surface.
     pub albedo: bool,
-    /// Shading normal of the first surface.
+    /// Its normal.
     pub normal: bool,
+    /// Reflectance of the first surface.
+    pub first_albedo: bool,
+    /// Shading normal of the first surface.
+    pub first_normal: bool,
     /// Distance to the first surface.
     pub depth: bool,
     /// Variance of the picture.
@@ -37,6 +49,8 @@ impl Layers {
     pub const NONE: Layers = Layers {
         albedo: false,
         normal: false,
+        first_albedo: false,
+        first_normal: false,
         depth: false,
         variance: false,
         noise: false,
@@ -46,36 +60,13 @@ impl Layers {
     pub const ALL: Layers = Layers {
         albedo: true,
         normal: true,
+        first_albedo: true,
+        first_normal: true,
         depth: true,
         variance: true,
         noise: true,
         samples: true,
     };
-}
-
-/// What is written into the file beside the pixels.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Metadata {
-    /// The scene file.
-    pub scene: String,
-    /// The settings, as the command line would give them.
-    pub settings: String,
-    /// Samples a pixel.
-    pub spp: u64,
-    /// Seconds of rendering.
-    pub seconds: f64,
-}
-
-impl Metadata {
-    fn attributes(&self) -> Vec<Attribute> {
-        vec![
-            Attribute::text("Software", concat!("twintree ", env!("CARGO_PKG_VERSION"))),
-            Attribute::text("twintree:scene", &self.scene),
-            Attribute::text("twintree:settings", &self.settings),
-            Attribute::text("twintree:spp", self.spp.to_string()),
-            Attribute::float("twintree:seconds", self.seconds as f32),
-        ]
-    }
 }
 
 /// A group of channels: names, how to store them, and how to read them off a pixel.
@@ -100,10 +91,20 @@ const PICTURE: Layer = Layer {
 const ALBEDO: Layer = Layer {
     names: &["albedo.R", "albedo.G", "albedo.B"],
     stored: None,
-    read: |seen, out| out.extend(seen.pixel.albedo.map(|x| average(x, seen.pixel.count))),
+    read: |seen, out| out.extend(seen.pixel.seen_albedo().map(single)),
 };
 const NORMAL: Layer = Layer {
     names: &["normal.X", "normal.Y", "normal.Z"],
+    stored: None,
+    read: |seen, out| out.extend(seen.pixel.seen_normal().map(single)),
+};
+const FIRST_ALBEDO: Layer = Layer {
+    names: &["albedo.first.R", "albedo.first.G", "albedo.first.B"],
+    stored: None,
+    read: |seen, out| out.extend(seen.pixel.albedo.map(|x| average(x, seen.pixel.count))),
+};
+const FIRST_NORMAL: Layer = Layer {
+    names: &["normal.first.X", "normal.first.Y", "normal.first.Z"],
     stored: None,
     read: |seen, out| out.extend(seen.pixel.normal.map(|x| average(x, seen.pixel.count))),
 };
@@ -151,6 +152,8 @@ impl Film {
             (true, PICTURE),
             (layers.albedo, ALBEDO),
             (layers.normal, NORMAL),
+            (layers.first_albedo, FIRST_ALBEDO),
+            (layers.first_normal, FIRST_NORMAL),
             (layers.depth, DEPTH),
             (layers.variance, VARIANCE),
             (layers.noise, NOISE),
@@ -190,66 +193,5 @@ impl Film {
             pixels,
             attributes: metadata.attributes(),
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::film::{FilmDescription, FilmKind, Sample, filter::Filter};
-    use crate::math::{Rgb, Vec3};
-
-    #[test]
-    fn layers_hold_what_the_samples_said() {
-        let mut film = Film::new(&FilmDescription {
-            width: 20,
-            height: 17,
-            crop: None,
-            filter: Filter::Box { radius: 0.5 },
-            kind: FilmKind::Hdr,
-            exposure: 0.0,
-        });
-        for tile in film.tiles_mut() {
-            for i in 0..tile.pixels.len() {
-                let x = (tile.x0 + i as u32 % tile.width) as f32;
-                let y = (tile.y0 + i as u32 / tile.width) as f32;
-                for (sample, radiance) in [(0, 1.0), (1, 3.0)] {
-                    let s = Sample {
-                        radiance: Rgb::new(x, y, radiance),
-                        weight: 1.0,
-                        worth: 1.0,
-                        albedo: Rgb::splat(0.25),
-                        normal: Vec3::Y,
-                        depth: 7.0,
-                    };
-                    tile.add(i, sample, &s);
-                }
-            }
-            tile.done = 2;
-        }
-        let image = film.image(Layers::ALL, &Metadata::default());
-        assert_eq!(image.channels.len(), 17);
-        let pixel = image.pixel(18, 16);
-        let at = |name: &str| pixel[image.channel(name).expect(name)];
-        assert_eq!([at("R"), at("G"), at("B")], [18.0, 16.0, 2.0]);
-        // Two samples 1 and 3: variance 2, of the mean 1.
-        assert_eq!([at("variance.R"), at("variance.B")], [0.0, 1.0]);
-        // The two halves are the two samples: the contrast is half their difference.
-        assert_eq!([at("noise.R"), at("noise.B")], [0.0, -1.0]);
-        assert_eq!(
-            [
-                at("albedo.G"),
-                at("normal.Y"),
-                at("depth.Z"),
-                at("samples.Y")
-            ],
-            [0.25, 1.0, 7.0, 2.0]
-        );
-        assert_eq!(
-            film.image(Layers::NONE, &Metadata::default())
-                .channels
-                .len(),
-            3
-        );
     }
 }

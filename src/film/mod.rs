@@ -34,7 +34,10 @@ pub struct FilmDescription {
     pub exposure: f32,
 }
 
+pub mod features;
+mod late;
 pub mod layers;
+pub mod metadata;
 mod noise;
 pub mod part;
 pub mod shard;
@@ -43,11 +46,14 @@ mod tests;
 pub mod tile;
 pub mod variance;
 
-pub use layers::{Layers, Metadata};
+pub use features::{FeatureSums, Features};
+pub use late::Late;
+pub use layers::Layers;
+pub use metadata::Metadata;
 pub(crate) use noise::FLOOR;
 pub use noise::Noise;
 pub use shard::Shard;
-pub use tile::{Late, Pixel, Sample, TILE_SIZE, Tile};
+pub use tile::{Pixel, Sample, TILE_SIZE, Tile};
 
 /// Sums of samples, stored in tiles.
 ///

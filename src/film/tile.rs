@@ -1,5 +1,7 @@
 //! Pixels and the tiles they are stored in.
 
+use super::features::{FeatureSums, Features};
+use super::late::Late;
 use crate::math::{Rgb, Vec3};
 
 /// Width and height of a tile in pixels.
@@ -20,6 +22,8 @@ pub struct Sample {
     pub normal: Vec3,
     /// Its distance; 0 where nothing was met.
     pub depth: f32,
+    /// What a denoiser is told, if that is more than albedo and normal of the first surface.
+    pub features: Option<Features>,
 }
 
 impl Default for Sample {
@@ -32,6 +36,7 @@ impl Default for Sample {
             albedo: Rgb::ZERO,
             normal: Vec3::ZERO,
             depth: 0.0,
+            features: None,
         }
     }
 }
@@ -51,72 +56,22 @@ pub struct Pixel {
     pub worth_squares: f64,
     /// Samples, those dropped not counted.
     pub count: u64,
-    /// Sum of reflectances.
+    /// Sum of the first surfaces' reflectances.
     pub albedo: [f64; 3],
-    /// Sum of normals.
+    /// Sum of their normals.
     pub normal: [f64; 3],
     /// Sum of distances of the samples that met something.
     pub depth: f64,
     /// Samples that met something.
     pub met: u64,
+    /// What a denoiser is told besides.
+    pub features: FeatureSums,
     /// The later half of the samples.
     pub late: Late,
 }
 
-/// Sums over the later half of a pixel's samples: those from the largest power of two on that is
-/// below their number. What the halves differ by tells the noise of their mean whatever links the
-/// samples (see [`super::variance`]).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Late {
-    /// The first sample of the image among them: 0 or a power of two.
-    pub from: u64,
-    /// Sum of worth times weight times radiance.
-    pub radiance: [f64; 3],
-    /// Sum of worth.
-    pub worth: f64,
-    /// Sum of its squares.
-    pub worth_squares: f64,
-}
-
-impl Late {
-    /// Of no samples.
-    pub const EMPTY: Late = Late {
-        from: 0,
-        radiance: [0.0; 3],
-        worth: 0.0,
-        worth_squares: 0.0,
-    };
-
-    /// The later half of `samples` samples of the image starts with this one.
-    pub fn begin(samples: u64) -> u64 {
-        match samples {
-            0 | 1 => 0,
-            _ => 1 << (samples - 1).ilog2(),
-        }
-    }
-
-    /// Adds a sample's `values`, already weighted.
-    #[inline]
-    fn add(&mut self, values: [f64; 3], worth: f64) {
-        for (sum, value) in self.radiance.iter_mut().zip(values) {
-            *sum += value;
-        }
-        self.worth += worth;
-        self.worth_squares += worth * worth;
-    }
-
-    /// Forgets what is of the earlier half by the time that sample number `index` comes.
-    #[inline]
-    fn advance(&mut self, index: u64) {
-        let from = Self::begin(index + 1);
-        if from > self.from {
-            *self = Self {
-                from,
-                ..Self::EMPTY
-            };
-        }
-    }
-}
+/// Weights below this, a sample, are what rounding leaves of none.
+const LEAST_WEIGHT: f64 = 1e-9;
 
 impl Pixel {
     /// A pixel without samples.
@@ -131,6 +86,7 @@ impl Pixel {
         normal: [0.0; 3],
         depth: 0.0,
         met: 0,
+        features: FeatureSums::EMPTY,
         late: Late::EMPTY,
     };
 
@@ -147,6 +103,9 @@ impl Pixel {
             self.squares[c] += value * value;
             self.albedo[c] += f64::from(s.albedo[c]);
             self.normal[c] += f64::from(s.normal[c]);
+        }
+        if let Some(features) = &s.features {
+            self.features.add(features, s.albedo, s.normal);
         }
         self.weight += weight;
         self.worth += worth;
@@ -167,6 +126,27 @@ impl Pixel {
             0.0
         };
         self.radiance.map(|sum| sum * scale)
+    }
+
+    /// Mean reflectance of what is seen behind mirrors and glass, at most 1: lobes and branches are
+    /// chosen by lot, and few samples may come to more.
+    pub fn seen_albedo(&self) -> [f64; 3] {
+        let scale = 1.0 / self.count.max(1) as f64;
+        let more = &self.features.albedo;
+        std::array::from_fn(|c| ((self.albedo[c] + more[c]) * scale).clamp(0.0, 1.0))
+    }
+
+    /// Mean normal of that, each as it is weighted: shorter than 1 where they differ, 0 where
+    /// nothing was met.
+    pub fn seen_normal(&self) -> [f64; 3] {
+        let count = self.count as f64;
+        let weight = count + self.features.weight;
+        let scale = match weight > LEAST_WEIGHT * count {
+            true => 1.0 / weight,
+            false => 0.0,
+        };
+        let more = &self.features.normal;
+        std::array::from_fn(|c| (self.normal[c] + more[c]) * scale)
     }
 
     /// Variance of a sample, estimated from the spread of the samples; 0 with fewer than two. With
@@ -242,6 +222,7 @@ impl Tile {
         let finite = colors
             & sample.normal.is_finite()
             & sample.depth.is_finite()
+            & sample.features.as_ref().is_none_or(Features::is_finite)
             & sample.weight.is_finite()
             & sample.worth.is_finite();
         if finite {

@@ -2,6 +2,7 @@
 
 use super::context::PathContext;
 use super::emission::{emitted, from_environment};
+use super::features;
 use super::next_event::ShadowRay;
 use super::observer::PathObserver;
 use super::path::{FirstHit, Path};
@@ -45,6 +46,13 @@ pub(super) trait Scatter<'s> {
         light: Shining,
     ) -> f32;
 
+    /// What a path's sample has seen, if it has met nothing but mirrors and glass since.
+    fn seen_by<'f>(
+        &self,
+        path: &Self::Path,
+        first_hits: &'f mut [FirstHit],
+    ) -> Option<&'f mut FirstHit>;
+
     /// Samples lights and the next direction.
     fn scatter(
         &mut self,
@@ -56,8 +64,8 @@ pub(super) trait Scatter<'s> {
 }
 
 /// Handles what `ray` met: adds its emission to the path's radiance, weighed by MIS, looks up the
-/// BSDF, and lets the path scatter. Of a path from the camera it adds the first hit. It ends where nothing was met, or where it is as deep as it may
-/// be.
+/// BSDF, and lets the path scatter. Of a path from the camera it adds the first hit, and what is seen
+/// behind mirrors and glass. It ends where nothing was met, or where it is as deep as it may be.
 ///
 /// Always inlined, and what it calls with it: rays, paths and BSDFs need not be handed over through
 /// memory. What was just written by halves would be waited for when it is read as a whole. (With a
@@ -83,6 +91,8 @@ pub(super) fn bounce<'s, S: Scatter<'s>>(
     let Some(surface) = scene.surfaces.met(hit) else {
         if depth == 0 {
             first_hits.push(FirstHit::NOTHING);
+        } else if let Some(first) = how.seen_by(path, first_hits) {
+            features::add_sky(first, base);
         }
         observer.arrive(base.accumulator, *radiance, f32::INFINITY);
         *radiance += from_environment(context, ray, base, weight_after_delta);
@@ -99,14 +109,13 @@ pub(super) fn bounce<'s, S: Scatter<'s>>(
     }
     let mut bsdf = scene.surfaces.bsdf(surface, &point, wo);
     if depth == 0 {
-        first_hits.push(FirstHit {
-            albedo: bsdf.albedo(),
-            normal: point.frame.n,
-            depth: hit.t,
-        });
+        let seen = features::first_hit(scene, surface, (&point, wo), &bsdf, hit.t);
+        first_hits.push(seen);
         if settings.max_depth < 2 {
             return BounceResult::default();
         }
+    } else if let Some(first) = how.seen_by(path, first_hits) {
+        features::add(first, scene, surface, (&point, wo), &bsdf, base);
     }
     let at = Arrived {
         point: &point,

@@ -185,6 +185,7 @@ pub fn add(tile: &mut Tile, radiances: &[Rgb], first_hits: &[FirstHit], starts: 
             albedo: first.albedo,
             normal: first.normal,
             depth: first.depth,
+            features: first.features,
         };
         tile.add(start.pixel as usize, start.sample, &sample);
     }

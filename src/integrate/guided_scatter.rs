@@ -9,7 +9,7 @@ use super::lobe_splitting::{self, Remainder};
 use super::manifold::{LastRoughVertex, receiver, sample_manifold};
 use super::next_event::{ShadowRay, sample_light};
 use super::observer::PathObserver;
-use super::path::Arrival;
+use super::path::{Arrival, FirstHit};
 use super::reuse::{Admission, PrefixPool};
 use super::splitting::SplitPaths;
 use super::vertex::Vertex;
@@ -50,6 +50,19 @@ impl<'s> Scatter<'s> for GuidedOutput<'_, 's> {
         };
         let chains = manifold.chains();
         chains.weight(context.scene, vertex, path.chain, light)
+    }
+
+    #[inline]
+    fn seen_by<'f>(
+        &self,
+        path: &GuidedPath,
+        first_hits: &'f mut [FirstHit],
+    ) -> Option<&'f mut FirstHit> {
+        if path.prefix != PrefixState::Growing {
+            return None;
+        }
+        let sample = self.split_paths.sample_of(path.base.accumulator);
+        Some(&mut first_hits[sample as usize])
     }
 
     #[inline(always)]

@@ -8,8 +8,8 @@
 //! 3. [`camera_sample`] starts a path: pixel, filter, lens, random numbers.
 //! 4. [`wave`] advances all paths by one bounce at a time, so that the ray tracer gets rays in
 //!    bulk.
-//! 5. `bounce.rs`: what a ray met; `emission.rs`: its light, weighed by multiple importance
-//!    sampling.
+//! 5. `bounce.rs`: what a ray met; `features.rs`: what a denoiser is told of it; `emission.rs`: its
+//!    light, weighed by multiple importance sampling.
 //! 6. `scatter.rs`: plain path tracing at a vertex: emitter sampling (`next_event.rs`), BSDF
 //!    sampling, Russian roulette ([`roulette`]); `direction.rs`: the next ray.
 //!
@@ -49,6 +49,7 @@ mod context;
 pub mod debug;
 mod direction;
 mod emission;
+mod features;
 mod guided_direction;
 pub mod guided_path;
 mod guided_scatter;

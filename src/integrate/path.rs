@@ -1,6 +1,7 @@
 //! The state of a path, and what a sample meets first.
 
 use crate::camera::CameraRay;
+use crate::film::Features;
 use crate::math::{PathSampler, Rgb, Vec3};
 
 /// What a path carries from one vertex to the next.
@@ -59,7 +60,7 @@ impl AsRef<Path> for Path {
     }
 }
 
-/// What the camera sees first along a sample: for the AOVs.
+/// What the camera sees first along a sample, and behind mirrors and glass: for the AOVs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstHit {
     /// Reflectance.
@@ -68,6 +69,10 @@ pub struct FirstHit {
     pub normal: Vec3,
     /// Distance; 0 where nothing was met.
     pub depth: f32,
+    /// What a denoiser is told, if that is more than albedo and normal.
+    pub features: Option<Features>,
+    /// A plain path meets nothing but mirrors and glass on so many edges, at most.
+    pub specular_edges: u32,
 }
 
 impl FirstHit {
@@ -76,6 +81,12 @@ impl FirstHit {
         albedo: Rgb::ZERO,
         normal: Vec3::ZERO,
         depth: 0.0,
+        features: Some(Features {
+            albedo: Rgb::ONE,
+            normal: Vec3::ZERO,
+            weight: 1.0,
+        }),
+        specular_edges: 0,
     };
 }
 

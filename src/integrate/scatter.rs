@@ -5,7 +5,7 @@ use super::context::PathContext;
 use super::direction::{drops, record_departure, spawn_ray};
 use super::next_event::{ShadowRay, sample_light};
 use super::observer::PathObserver;
-use super::path::{Arrival, Path};
+use super::path::{Arrival, FirstHit, Path};
 use super::roulette;
 use super::settings::PathSettings;
 use super::vertex::Vertex;
@@ -22,6 +22,16 @@ impl<'s> Scatter<'s> for Plain {
     #[inline(always)]
     fn weight_after_delta(&self, _: &PathContext<'s>, _: &Path, _: Shining) -> f32 {
         1.0
+    }
+
+    #[inline(always)]
+    fn seen_by<'f>(&self, path: &Path, first_hits: &'f mut [FirstHit]) -> Option<&'f mut FirstHit> {
+        // Few vertices come after a delta lobe: the others are told by what is at hand.
+        if path.pdf.is_finite() {
+            return None;
+        }
+        let first = &mut first_hits[path.accumulator as usize];
+        (first.specular_edges == path.depth).then_some(first)
     }
 
     #[inline(always)]

@@ -143,7 +143,15 @@ fn layers_are_in_the_file_that_was_asked_for_them() {
     );
     assert!(!some.contains("variance"), "{some}");
     let all = names("--aov all");
-    for layer in ["albedo", "normal", "depth", "variance", "samples"] {
+    for layer in [
+        "albedo.",
+        "normal.",
+        "albedo.first.",
+        "normal.first.",
+        "depth",
+        "variance",
+        "samples",
+    ] {
         assert!(all.to_lowercase().contains(layer), "{layer} in {all}");
     }
 }

@@ -102,6 +102,22 @@ fn flags_and_roughness_describe_the_lobes() {
     );
 }
 
+/// What a denoiser is told: the normal that a map has turned, and how much is rough.
+#[test]
+fn maps_turn_the_normal_and_delta_lobes_have_their_share() {
+    let coded = Vec3::new(0.65, 0.42, 0.9) * 2.0 - 1.0;
+    let turned = resolved("normal_map", Vec3::Z);
+    assert!((turned.normal() - coded.normalize()).length() < 1e-6);
+    assert_eq!(resolved("coated_diffuse", Vec3::Z).normal(), Vec3::Z);
+    // Seen from its back, in which it is mirrored, the map is on the other side.
+    let back = resolved("two_sided_nest", -Vec3::Z).normal();
+    assert!((back.z.abs() - coded.normalize().z).abs() < 1e-6, "{back}");
+    let share = |name| resolved(name, Vec3::Z).rough_share(Vec3::Z);
+    assert_eq!([share("diffuse"), share("dielectric")], [1.0, 0.0]);
+    let plastic = share("plastic");
+    assert!((0.5..1.0).contains(&plastic), "{plastic}");
+}
+
 /// A frame that is not the world's changes nothing but the coordinates.
 #[test]
 fn world_directions_go_through_the_frame() {

@@ -4,7 +4,7 @@ use super::args::Table1Args;
 use super::subject::{DOUBLING_BATCHES, Subject, samples};
 use crate::cli::Failure;
 use crate::cli::guide_args::PATHS;
-use crate::film::layers::{Layers, Metadata};
+use crate::film::{Layers, Metadata};
 use crate::guide::ModelKind;
 use crate::image::{self, Image, PixelType, WriteOptions};
 use crate::integrate::training::{LearnSettings, Learner};

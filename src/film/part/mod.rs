@@ -31,7 +31,7 @@ use super::Shard;
 use serde::{Deserialize, Serialize};
 
 /// Version of the file's layout. Another one is refused.
-const LAYOUT: u32 = 4;
+const LAYOUT: u32 = 5;
 /// Name of the attribute with the record.
 const ATTRIBUTE: &str = "twintree:part";
 

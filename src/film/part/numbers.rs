@@ -1,16 +1,23 @@
 //! Tiles and pixels as rows of 64-bit numbers, and those as EXR's 32-bit ones.
 
-use crate::film::{Late, Pixel, Tile};
+use crate::film::{FeatureSums, Late, Pixel, Tile};
 use xxhash_rust::xxh3::Xxh3;
 
 /// What is stored of a pixel. EXR sorts channels by name: so is this list, and `.high` stays before
 /// `.low`.
-pub const PIXEL: [&str; 24] = [
+pub const PIXEL: [&str; 31] = [
     "albedo.b",
     "albedo.g",
     "albedo.r",
     "count",
     "depth",
+    "features.albedo.b",
+    "features.albedo.g",
+    "features.albedo.r",
+    "features.normal.x",
+    "features.normal.y",
+    "features.normal.z",
+    "features.weight",
     "late.b",
     "late.from",
     "late.g",
@@ -58,12 +65,15 @@ pub fn of_pixel(p: &Pixel) -> PixelNumbers {
     let [sr, sg, sb] = p.squares.map(f64::to_bits);
     let [depth, weight, worth, ws] =
         [p.depth, p.weight, p.worth, p.worth_squares].map(f64::to_bits);
+    let [far, fag, fab] = p.features.albedo.map(f64::to_bits);
+    let [fnx, fny, fnz] = p.features.normal.map(f64::to_bits);
+    let fw = p.features.weight.to_bits();
     let late = &p.late;
     let [lr, lg, lb] = late.radiance.map(f64::to_bits);
     let [late_worth, late_ws] = [late.worth, late.worth_squares].map(f64::to_bits);
     [
-        ab, ag, ar, p.count, depth, lb, late.from, lg, lr, late_worth, late_ws, p.met, nx, ny, nz,
-        rb, rg, rr, sb, sg, sr, weight, worth, ws,
+        ab, ag, ar, p.count, depth, fab, fag, far, fnx, fny, fnz, fw, lb, late.from, lg, lr,
+        late_worth, late_ws, p.met, nx, ny, nz, rb, rg, rr, sb, sg, sr, weight, worth, ws,
     ]
 }
 
@@ -71,21 +81,26 @@ pub fn of_pixel(p: &Pixel) -> PixelNumbers {
 pub fn to_pixel(n: &PixelNumbers) -> Pixel {
     let real = |i: usize| f64::from_bits(n[i]);
     Pixel {
-        radiance: [real(17), real(16), real(15)],
-        squares: [real(20), real(19), real(18)],
-        weight: real(21),
-        worth: real(22),
-        worth_squares: real(23),
+        radiance: [real(24), real(23), real(22)],
+        squares: [real(27), real(26), real(25)],
+        weight: real(28),
+        worth: real(29),
+        worth_squares: real(30),
         count: n[3],
         albedo: [real(2), real(1), real(0)],
-        normal: [real(12), real(13), real(14)],
+        normal: [real(19), real(20), real(21)],
         depth: real(4),
-        met: n[11],
+        met: n[18],
+        features: FeatureSums {
+            albedo: [real(7), real(6), real(5)],
+            normal: [real(8), real(9), real(10)],
+            weight: real(11),
+        },
         late: Late {
-            from: n[6],
-            radiance: [real(8), real(7), real(5)],
-            worth: real(9),
-            worth_squares: real(10),
+            from: n[13],
+            radiance: [real(15), real(14), real(12)],
+            worth: real(16),
+            worth_squares: real(17),
         },
     }
 }
