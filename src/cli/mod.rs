@@ -7,6 +7,7 @@
 
 pub mod aov;
 pub mod args;
+pub mod bar;
 pub mod bench;
 pub mod budget;
 pub mod check;

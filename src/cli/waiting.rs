@@ -1,8 +1,8 @@
 //! What is shown while one waits for work that says nothing itself: on a terminal a line that
 //! moves, elsewhere a line now and then.
 
+use super::bar::{BAR_INTERVAL, LONGEST_SILENCE, fitting, spinner};
 use super::console::Console;
-use super::progress::{BAR_INTERVAL, LONGEST_SILENCE, fitting, spinner};
 use crate::integrate::training::traced;
 use crate::report::words;
 use indicatif::ProgressBar;
