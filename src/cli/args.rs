@@ -5,6 +5,7 @@ use super::bench::args::Bench;
 use super::check::CheckArgs;
 use super::compare::args::CompareArgs;
 use super::console::TalkArgs;
+use super::denoise::DenoiseArgs;
 use super::farm::args::FarmArgs;
 use super::field::FieldArgs;
 use super::generate::GenerateArgs;
@@ -49,6 +50,8 @@ pub enum Command {
     Render(Box<RenderArgs>),
     /// Join the parts of an image that were rendered with --shard
     Merge(MergeArgs),
+    /// Take the noise out of an image
+    Denoise(DenoiseArgs),
     /// Learn where light comes from in a scene, and keep it in a file for "render --field"
     Train(Box<TrainArgs>),
     /// Show what is in a learned field

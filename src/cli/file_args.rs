@@ -1,8 +1,9 @@
 //! What can be typed about the files of an image.
 
-use super::aov::Aov;
+use super::aov::{self, Aov};
 use super::choice::{Choice, choice};
 use super::values;
+use crate::film::Layers;
 use crate::image::{Compression, PixelType};
 use clap::Args;
 use std::path::PathBuf;
@@ -23,6 +24,13 @@ pub struct FileArgs {
         default_value = "none"
     )]
     pub aov: Vec<Aov>,
+    /// Denoise the picture with Intel Open Image Denoise. An EXR then has the denoised picture as its
+    /// R, G and B, the noisy one as layer "noisy", and the layers albedo and normal
+    #[arg(long)]
+    pub denoise: bool,
+    /// The denoiser.
+    #[command(flatten)]
+    pub oidn: OidnArgs,
     /// How an EXR is written.
     #[command(flatten)]
     pub exr: ExrArgs,
@@ -32,6 +40,25 @@ pub struct FileArgs {
     /// Write measurements as JSON
     #[arg(long, value_name = "FILE")]
     pub stats: Option<PathBuf>,
+}
+
+impl FileArgs {
+    /// The layers that were asked for, and those that a denoiser needs.
+    pub fn layers(&self) -> Layers {
+        let mut layers = aov::layers(&self.aov);
+        layers.albedo |= self.denoise;
+        layers.normal |= self.denoise;
+        layers
+    }
+}
+
+/// Where the denoiser is.
+#[derive(Args, Debug)]
+pub struct OidnArgs {
+    /// Where Open Image Denoise 2 is: its library, or a folder of a release or of Python's pyoidn
+    /// [default: TWINTREE_OIDN, what the system has, Python's environment]
+    #[arg(long, value_name = "PATH")]
+    pub oidn: Option<PathBuf>,
 }
 
 /// How an EXR is written. Large ones are written in tiles.

@@ -9,6 +9,7 @@
 //! SIGUSR1 without checkpoints writes the images so far, and rendering goes on.
 
 use super::checkpoint::Checkpoint;
+use super::denoising::Denoising;
 use super::output::Outputs;
 use super::render_args::RenderArgs;
 use super::{Failure, memory};
@@ -27,6 +28,8 @@ pub struct Done<'a> {
     pub outputs: &'a Outputs,
     /// Where to save, if that is wanted.
     pub checkpoint: Option<&'a Checkpoint>,
+    /// What takes the noise away, if that is wanted.
+    pub denoising: Option<Denoising<'a>>,
     /// What a shard's part says about itself.
     pub record: Option<Record>,
     /// Brightness of 8-bit formats.
@@ -54,18 +57,35 @@ impl Done<'_> {
                 self.outputs.write_part(&part_of(record, summary), film)
             }
             (Some(_), _) => Ok(()),
-            (None, _) => {
-                let metadata = metadata(self.args, stats.spp, stats.render_seconds);
-                self.outputs
-                    .write_images(film, &self.args.files, self.exposure, &metadata)
-            }
+            (None, _) => self.write_images(film, stats, interrupted),
         };
-        stats.write_seconds = start.elapsed().as_secs_f64();
+        stats.write_seconds = start.elapsed().as_secs_f64() - stats.denoise_seconds;
         stats.peak_memory_bytes = memory::peak_bytes();
         self.outputs.write_stats(&stats.to_json())?;
         saved.map_err(|e| Failure::Refused(e.to_string()))?;
         written?;
         self.close(interrupted)
+    }
+
+    /// Writes the images, denoised if that is wanted; noisy where that fails.
+    fn write_images(
+        &self,
+        film: &Film,
+        stats: &mut Stats,
+        interrupted: bool,
+    ) -> Result<(), Failure> {
+        let files = &self.args.files;
+        let metadata = metadata(self.args, stats.spp, stats.render_seconds);
+        let mut picture = film.image(files.layers(), &metadata);
+        let mut denoised = Ok(());
+        if let Some(denoising) = &self.denoising {
+            let start = Instant::now();
+            (picture, denoised) = denoising.apply(picture, interrupted);
+            stats.denoise_seconds = start.elapsed().as_secs_f64();
+        }
+        self.outputs
+            .write_images(&picture, &files.exr, self.exposure)?;
+        denoised
     }
 
     /// Writes the images as they are, for whom asks while it renders.
@@ -81,9 +101,13 @@ impl Done<'_> {
         let metadata = metadata(self.args, film.spp_done(), spent.time.as_secs_f64());
         let files = &self.args.files;
         // The end of the render, which writes them again, may fare better.
+        let mut picture = film.image(files.layers(), &metadata);
+        if let Some(denoising) = &self.denoising {
+            picture = denoising.apply_meanwhile(picture);
+        }
         if let Err(e) = self
             .outputs
-            .write_images(film, files, self.exposure, &metadata)
+            .write_images(&picture, &files.exr, self.exposure)
         {
             tracing::warn!("{}", e.text().unwrap_or_default());
         }

@@ -3,9 +3,9 @@
 use clap::{Arg, Args, Command};
 
 /// Options of `render` that everybody needs: those of `-h`.
-const ESSENTIAL: [&str; 11] = [
-    "output", "quality", "spp", "time", "noise", "width", "height", "exposure", "guide", "seed",
-    "resume",
+const ESSENTIAL: [&str; 12] = [
+    "output", "denoise", "quality", "spp", "time", "noise", "width", "height", "exposure", "guide",
+    "seed", "resume",
 ];
 
 /// The command line, whose `render -h` is short.

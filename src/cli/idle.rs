@@ -3,7 +3,7 @@
 use super::aov::Aov;
 use super::args::Command;
 use super::field::{FieldArgs, ProbeArgs};
-use super::file_args::{ExrArgs, FileArgs};
+use super::file_args::{ExrArgs, FileArgs, OidnArgs};
 use super::guide_args::{Guide, GuidedArgs, LearnArgs, Teachers};
 use super::help::options_of;
 use super::picture_args::SizeArgs;
@@ -50,7 +50,15 @@ impl Typed<'_> {
 
     fn of_render(&self, args: &RenderArgs) -> Vec<String> {
         if args.doubt.pixel.is_some() {
-            let names = ["output", "stats", "reference", "preview", "checkpoint"];
+            let names = [
+                "output",
+                "denoise",
+                "oidn",
+                "stats",
+                "reference",
+                "preview",
+                "checkpoint",
+            ];
             let mut list = self.without_effect(&names, "with --pixel nothing is written");
             list.extend(self.of_guide(args));
             return list;
@@ -59,7 +67,7 @@ impl Typed<'_> {
             Some(_) => {
                 let why = "a part keeps all; give it to \"twintree merge\"";
                 let mut list = self.group_without_effect::<ExrArgs>(why);
-                list.extend(self.without_effect(&["aov"], why));
+                list.extend(self.without_effect(&["aov", "denoise", "oidn"], why));
                 list
             }
             None => self.of_files(&args.files),
@@ -83,6 +91,9 @@ impl Typed<'_> {
         }
         if !has_exr {
             list.extend(self.group_without_effect::<ExrArgs>("none of the outputs is an .exr"));
+        }
+        if !files.denoise {
+            list.extend(self.group_without_effect::<OidnArgs>("there is no --denoise"));
         }
         let is_shown = |f: &Result<Format, _>| matches!(f, Ok(Format::Png | Format::Jpeg));
         if !formats.iter().any(is_shown) {
@@ -199,7 +210,12 @@ mod tests {
             ("render a.xml --format float -o a.hdr", "--format"),
             ("render a.xml --exposure 1", "--exposure"),
             ("render a.xml --exposure 1 -o a.jpg", ""),
-            ("render a.xml --shard 0/2 --aov all -o a.exr", "--aov"),
+            (
+                "render a.xml --shard 0/2 --aov all --denoise -o a.exr",
+                "--aov --denoise",
+            ),
+            ("render a.xml --oidn lib", "--oidn"),
+            ("render a.xml --denoise --oidn lib -o a.png", ""),
             (
                 "render a.xml --pixel 1,2 -o a.exr --stats s.json",
                 "--output --stats",

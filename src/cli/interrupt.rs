@@ -37,7 +37,7 @@ struct State {
     patient: AtomicBool,
     requested: AtomicBool,
     save: AtomicBool,
-    /// When an end was asked for by SIGINT or SIGTERM.
+    /// When an end was last asked for by SIGINT or SIGTERM.
     first: Mutex<Option<Instant>>,
 }
 
@@ -87,6 +87,13 @@ impl Interrupt {
         self.state.patient.store(true, Ordering::SeqCst);
     }
 
+    /// The render is over, and what comes now can be ended by itself: what was asked for before is
+    /// done, and the next request is a new one.
+    pub fn begin_anew(&self) {
+        self.be_patient();
+        self.state.requested.store(false, Ordering::SeqCst);
+    }
+
     /// Whether an end was asked for.
     #[inline]
     pub fn requested(&self) -> bool {
@@ -116,6 +123,11 @@ impl State {
             }
             _ => {}
         }
+        let mut first = self.first.lock().unwrap_or_else(PoisonError::into_inner);
+        let late = |at: Instant| now.saturating_duration_since(at) > ONE_REQUEST;
+        if signal != SIGHUP && first.is_some_and(|at| !late(at)) {
+            return Order::Nothing;
+        }
         let stopping = self.requested.swap(true, Ordering::SeqCst);
         if !self.patient.load(Ordering::SeqCst) {
             return Order::Quit;
@@ -128,15 +140,11 @@ impl State {
         if signal == SIGHUP {
             return fresh;
         }
-        let mut first = self.first.lock().unwrap_or_else(PoisonError::into_inner);
-        match *first {
-            Some(at) if now.saturating_duration_since(at) > ONE_REQUEST => Order::Quit,
-            Some(_) => Order::Nothing,
-            None => {
-                *first = Some(now);
-                fresh
-            }
+        if first.is_some() && stopping {
+            return Order::Quit;
         }
+        *first = Some(now);
+        fresh
     }
 }
 
@@ -200,6 +208,25 @@ mod tests {
             assert_eq!(orders.last(), Some(expected), "{signals:?}");
             assert!(state.requested.load(Ordering::SeqCst));
         }
+    }
+
+    #[test]
+    fn what_comes_after_the_render_is_ended_by_a_request_of_its_own() {
+        let start = Instant::now();
+        let interrupt = Interrupt::default();
+        interrupt.be_patient();
+        let hear = |signal, ms| {
+            let at = start + Duration::from_millis(ms);
+            interrupt.state.hear(signal, at)
+        };
+        assert_eq!(hear(SIGTERM, 0), Order::Stop);
+        interrupt.begin_anew();
+        // Still the request that has ended the render.
+        assert_eq!(hear(SIGTERM, 1), Order::Nothing);
+        assert!(!interrupt.requested());
+        assert_eq!(hear(SIGINT, 2000), Order::Stop);
+        assert!(interrupt.requested());
+        assert_eq!(hear(SIGINT, 4000), Order::Quit);
     }
 
     #[test]

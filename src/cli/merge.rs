@@ -4,7 +4,10 @@
 //! matter. They are read one after the other: the film is in memory once.
 
 use super::Failure;
+use super::console::Console;
+use super::denoising::Denoising;
 use super::file_args::FileArgs;
+use super::interrupt::Interrupt;
 use super::output::Outputs;
 use super::{memory, settings};
 use crate::film::Film;
@@ -38,7 +41,7 @@ type Known = (PathBuf, Record);
 /// # Errors
 /// When a part is damaged or of another image, parts overlap or are missing, or an image cannot be
 /// written.
-pub fn run(args: &MergeArgs) -> Result<(), Failure> {
+pub fn run(args: &MergeArgs, console: &Console, interrupt: &Interrupt) -> Result<(), Failure> {
     let start = Instant::now();
     let mut parts: Vec<Known> = Vec::new();
     for path in &args.parts {
@@ -53,6 +56,7 @@ pub fn run(args: &MergeArgs) -> Result<(), Failure> {
     };
     let outputs = Outputs::plan(&args.files, Path::new(&first.origin.scene), None)?;
     outputs.spare("one of the parts", &args.parts)?;
+    let denoising = Denoising::wanted(&args.files, console, interrupt)?;
     settings::check_memory(first.region)?;
     let film = read(&parts)?;
     let missing = missing(&parts, &film);
@@ -66,7 +70,8 @@ pub fn run(args: &MergeArgs) -> Result<(), Failure> {
         tracing::warn!("the image is not complete: {missing}");
     }
     let load = start.elapsed().as_secs_f64();
-    write(args, &outputs, &parts, &film, missing, load)
+    let files = (&outputs, denoising.as_ref());
+    write(args, files, &parts, &film, missing, load)
 }
 
 /// Refuses a part of another image than the first one's.
@@ -170,7 +175,7 @@ fn missing_shards(parts: &[Known], gaps: &[usize], tiles: usize) -> Option<Strin
 
 fn write(
     args: &MergeArgs,
-    outputs: &Outputs,
+    (outputs, denoising): (&Outputs, Option<&Denoising>),
     parts: &[Known],
     film: &Film,
     missing: Option<String>,
@@ -192,12 +197,19 @@ fn write(
         seconds: stats.render_seconds,
     };
     let exposure = args.files.exposure.unwrap_or(first.origin.exposure);
+    let mut picture = film.image(args.files.layers(), &metadata);
     let start = Instant::now();
-    let written = outputs.write_images(film, &args.files, exposure, &metadata);
+    let mut denoised = Ok(());
+    if let Some(denoising) = denoising {
+        (picture, denoised) = denoising.apply(picture, false);
+        stats.denoise_seconds = start.elapsed().as_secs_f64();
+    }
+    let start = Instant::now();
+    let written = outputs.write_images(&picture, &args.files.exr, exposure);
     stats.write_seconds = start.elapsed().as_secs_f64();
     stats.peak_memory_bytes = memory::peak_bytes();
     outputs.write_stats(&stats.to_json())?;
-    written
+    written.and(denoised)
 }
 
 /// The measurements of all parts together: times, rays and threads are sums over the machines.

@@ -15,6 +15,8 @@ pub mod checkpoint;
 pub mod choice;
 pub mod compare;
 pub mod console;
+pub mod denoise;
+pub mod denoising;
 pub mod error_track;
 pub mod failure;
 pub mod farm;
@@ -77,7 +79,8 @@ impl Cli {
         threads::start(self.threads)?;
         match &self.command {
             Command::Render(args) => render::run(args, &console, &interrupt),
-            Command::Merge(args) => merge::run(args),
+            Command::Merge(args) => merge::run(args, &console, &interrupt),
+            Command::Denoise(args) => denoise::run(args, &console, &interrupt),
             Command::Train(args) => train::run(args, &console),
             Command::Field(args) => field::run(args),
             Command::MergeFields(args) => merge_fields::run(args),

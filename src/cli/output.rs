@@ -1,14 +1,13 @@
 //! The files that a render writes: tried before the work, written after it.
 
 use super::Failure;
-use super::aov;
 use super::checkpoint::Checkpoint;
-use super::file_args::FileArgs;
+use super::file_args::{ExrArgs, FileArgs};
 use super::load::Input;
 use super::render_args::RenderArgs;
 use super::targets::{Named, check_distinct, named, try_target};
 use crate::film::part::{self, Packing, PartReader, Record};
-use crate::film::{Film, Metadata, Shard};
+use crate::film::{Film, Shard};
 use crate::image::{self, Compression, Format, Image, WriteOptions, atomic};
 use std::path::{Path, PathBuf};
 
@@ -85,16 +84,25 @@ impl Outputs {
         if shard.is_some() {
             check_part(&images)?;
         }
+        Self::tried(images, args.stats.clone())
+    }
+
+    /// Images alone, every one of them tried.
+    ///
+    /// # Errors
+    /// As [`Outputs::plan`].
+    pub fn of_images(images: Vec<PathBuf>) -> Result<Self, Failure> {
+        Self::tried(images, None)
+    }
+
+    fn tried(images: Vec<PathBuf>, stats: Option<PathBuf>) -> Result<Self, Failure> {
         for path in &images {
             check_format(path)?;
         }
-        for path in images.iter().chain(&args.stats) {
+        for path in images.iter().chain(&stats) {
             try_target(path)?;
         }
-        let outputs = Self {
-            images,
-            stats: args.stats.clone(),
-        };
+        let outputs = Self { images, stats };
         check_distinct(&outputs.named(), &[])?;
         Ok(outputs)
     }
@@ -139,29 +147,27 @@ impl Outputs {
     /// Everything that failed.
     pub fn write_images(
         &self,
-        film: &Film,
-        asked: &FileArgs,
+        picture: &Image,
+        exr: &ExrArgs,
         exposure: f32,
-        metadata: &Metadata,
     ) -> Result<(), Failure> {
-        let picture = film.image(aov::layers(&asked.aov), metadata);
         let options = WriteOptions {
             pixel_type: None,
-            compression: asked.exr.compression,
-            tiled: u64::from(film.width()) * u64::from(film.height()) > LARGE,
+            compression: exr.compression,
+            tiled: u64::from(picture.width) * u64::from(picture.height) > LARGE,
             exposure,
         };
         let mut failures = Vec::new();
         for path in &self.images {
             let mut options = options.clone();
             if Format::of(path) == Ok(Format::Exr) {
-                options.pixel_type = Some(asked.exr.format);
+                options.pixel_type = Some(exr.format);
             } else if Format::of(path) == Ok(Format::Jpeg) {
                 options.compression = Compression::Default;
             }
-            match image::write(path, &picture, &options) {
+            match image::write(path, picture, &options) {
                 Ok(()) => tracing::info!("wrote {}", path.display()),
-                Err(e) => failures.push(match rescue(path, &picture, &options) {
+                Err(e) => failures.push(match rescue(path, picture, &options) {
                     Some(kept) => format!("{e}\n  help: the image is kept in {}", kept.display()),
                     None => e.to_string(),
                 }),

@@ -2,6 +2,7 @@
 
 use super::checkpoint::Checkpoint;
 use super::console::Console;
+use super::denoising::Denoising;
 use super::error_track::ErrorTrack;
 use super::finish::Done;
 use super::identity::{self, Fingerprints};
@@ -54,6 +55,11 @@ pub fn run(args: &RenderArgs, console: &Console, interrupt: &Interrupt) -> Resul
     }
     let input = Input::of(&args.scene)?;
     let outputs = Outputs::of_render(args, &input)?;
+    let denoising = match args.parts.shard {
+        // A part is no picture yet.
+        Some(_) => None,
+        None => Denoising::wanted(&args.files, console, interrupt)?,
+    };
     warn_of_shard(args);
     let mut times = Times::default();
     let (mut loaded, triangles) = read(args, &input, &mut times)?;
@@ -107,6 +113,7 @@ pub fn run(args: &RenderArgs, console: &Console, interrupt: &Interrupt) -> Resul
         args,
         outputs: &outputs,
         checkpoint: checkpoint.as_ref(),
+        denoising,
         record,
         exposure: description.film.exposure,
     };

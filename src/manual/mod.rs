@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`start`] | installing, five minutes with the program, all commands |
 //! | [`render`] | options of `render`, outputs, noise, `--quality`, exit codes |
+//! | [`denoise`] | `--denoise` and `twintree denoise`, where the denoiser comes from, what it gains |
 //! | [`guiding`] | options of guiding, field files, what guiding gains |
 //! | [`parts`] | checkpoints, parts of an image on many machines, job files |
 //! | [`scenes`] | what of Mitsuba's scene files is read; models without a scene |
@@ -16,6 +17,10 @@
 
 pub mod compare {
     #![doc = include_str!("compare.md")]
+}
+
+pub mod denoise {
+    #![doc = include_str!("denoise.md")]
 }
 
 pub mod guiding {

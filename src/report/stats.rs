@@ -62,6 +62,8 @@ pub struct Stats {
     pub learning_memory_bytes: u64,
     /// Rendering.
     pub render_seconds: f64,
+    /// Denoising; 0 without it.
+    pub denoise_seconds: f64,
     /// Writing the images.
     pub write_seconds: f64,
     /// Most memory that the process held; `null` where the system does not tell.

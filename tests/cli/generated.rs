@@ -3,9 +3,10 @@
 use super::support::Place;
 use std::process::{Command, Stdio};
 
-const COMMANDS: [&str; 10] = [
+const COMMANDS: [&str; 11] = [
     "render",
     "merge",
+    "denoise",
     "farm",
     "info",
     "check",

@@ -3,6 +3,7 @@
 mod benching;
 mod checkpoints;
 mod comparing;
+mod denoising;
 mod endless;
 mod errors;
 mod farming;
