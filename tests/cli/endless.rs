@@ -92,14 +92,14 @@ fn what_has_ended_is_kept_and_nothing_of_the_rest() {
     );
     let place = Place::with(&scene);
     place
-        .run("render scene.xml -o a.exr --time 2s")
+        .run("render scene.xml -o a.exr --guide none --time 2s")
         .ok()
         .says(&["given up", "have no sample yet", "wrote a.exr"]);
     let (bright, black) = bright_and_black(&place);
     assert!(bright >= 16 * 20 && black >= 16 * 20, "{bright} {black}");
     assert!(bright + black == 64 * 20, "{bright} {black}");
 
-    let mut child = place.spawn("render scene.xml -o a.exr --spp 4 --stats s.json");
+    let mut child = place.spawn("render scene.xml -o a.exr --guide none --spp 4 --stats s.json");
     let mut messages = BufReader::new(child.stderr.take().unwrap());
     read_until(&mut messages, "they may have no end");
     signal(&child, "INT");

@@ -13,9 +13,17 @@ fn is_guided(place: &Place, words: &str) -> bool {
     learned
 }
 
+/// A wall of metal: light may come by it that few paths find.
+fn with_metal() -> Place {
+    Place::replacing(
+        r#"<bsdf type="diffuse">"#,
+        r#"<bsdf type="roughconductor">"#,
+    )
+}
+
 #[test]
 fn a_field_is_learned_where_it_may_pay_unless_told_otherwise() {
-    let place = Place::new();
+    let place = with_metal();
     // 192 x 144 pixels: 276 480 samples of 10 a pixel.
     let image = "--width 192 --spp 10";
     assert!(is_guided(&place, image));
@@ -25,13 +33,15 @@ fn a_field_is_learned_where_it_may_pay_unless_told_otherwise() {
     assert!(!is_guided(&place, "--width 384 --spp 7"));
     assert!(!is_guided(&place, "--spp 64"));
     assert!(is_guided(&place, "--spp 64 --guide double"));
+    // Where every sample sees nearly the same light there is nothing to gain.
+    assert!(!is_guided(&Place::new(), image));
     // A render that ends by the clock has no number of samples.
     assert!(is_guided(&place, "--width 96 --time 2s"));
 }
 
 #[test]
 fn shards_are_guided_where_that_is_asked_for() {
-    let place = Place::new();
+    let place = with_metal();
     let shard = |words: &str| {
         let image = "--width 192 --spp 10 --shard 0/2";
         let words = format!("render scene.xml -o a.exr {image} {words}");

@@ -34,7 +34,7 @@ fn numbers_that_are_none_or_negative_get_a_plain_error() {
 fn options_without_effect_are_said_to_have_none() {
     let place = Place::new();
     let said = |words: &str| place.run(words).ok().err;
-    let text = said("render scene.xml -o a.exr --mixture 0.5 --exposure 2 --reuse 3");
+    let text = said("render scene.xml -o a.exr --guide none --mixture 0.5 --exposure 2 --reuse 3");
     for name in ["--mixture", "--exposure", "--reuse"] {
         assert!(
             text.contains(&format!("warning: {name} has no effect")),
