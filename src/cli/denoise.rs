@@ -3,7 +3,7 @@
 use super::Failure;
 use super::console::Console;
 use super::denoising::Denoising;
-use super::file_args::{ExrArgs, OidnArgs};
+use super::file_args::{ExrArgs, OidnArgs, ViewArgs};
 use super::interrupt::Interrupt;
 use super::output::Outputs;
 use super::values;
@@ -28,6 +28,9 @@ pub struct DenoiseArgs {
     #[arg(long, value_name = "STOPS", value_parser = values::stops, default_value_t = 0.0,
           allow_negative_numbers = true)]
     pub exposure: f32,
+    /// How they show light.
+    #[command(flatten)]
+    pub view: ViewArgs,
     /// The denoiser.
     #[command(flatten)]
     pub oidn: OidnArgs,
@@ -63,5 +66,5 @@ pub fn run(args: &DenoiseArgs, console: &Console, interrupt: &Interrupt) -> Resu
     }
     let (picture, denoised) = denoising.apply(picture, false);
     denoised?;
-    outputs.write_images(&picture, &args.exr, args.exposure)
+    outputs.write_images(&picture, &args.exr, args.exposure, args.view.view)
 }

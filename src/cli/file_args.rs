@@ -4,7 +4,7 @@ use super::aov::{self, Aov};
 use super::choice::{Choice, choice};
 use super::values;
 use crate::film::Layers;
-use crate::image::{Compression, PixelType};
+use crate::image::{Compression, PixelType, ViewTransform};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -37,6 +37,9 @@ pub struct FileArgs {
     /// Brightness of .png and .jpg, as a power of two [default: the scene's]
     #[arg(long, value_name = "STOPS", value_parser = values::stops, allow_negative_numbers = true)]
     pub exposure: Option<f32>,
+    /// How they show light.
+    #[command(flatten)]
+    pub view: ViewArgs,
     /// Write measurements as JSON
     #[arg(long, value_name = "FILE")]
     pub stats: Option<PathBuf>,
@@ -71,6 +74,27 @@ pub struct ExrArgs {
     #[arg(long, value_name = "NAME", default_value = "zip", value_parser = PACKINGS)]
     pub compression: Compression,
 }
+
+/// How light is shown.
+#[derive(Args, Debug)]
+pub struct ViewArgs {
+    /// How .png and .jpg show light, which has no upper limit as they have
+    #[arg(long, value_name = "NAME", default_value = "srgb", value_parser = VIEWS)]
+    pub view: ViewTransform,
+}
+
+const VIEWS: Choice<ViewTransform> = choice! {
+    /// As it is, cut off at white
+    "srgb" => ViewTransform::Srgb,
+    /// Khronos PBR Neutral: colours of things as they are, highlights compressed
+    "neutral" => ViewTransform::Neutral,
+    /// AgX: much compressed, bright colours go towards white as on film
+    "agx" => ViewTransform::Agx,
+    /// Hable's curve: soft shadows and highlights
+    "filmic" => ViewTransform::Filmic,
+    /// The numbers, cut off at 0 and 1, without the sRGB curve
+    "raw" => ViewTransform::Raw,
+};
 
 const NUMBERS: Choice<PixelType> = choice! {
     /// 16 bits

@@ -203,7 +203,7 @@ mod tests {
         let left_out: Vec<_> = options.difference(&told).map(String::as_str).collect();
         let expected = "accel aov camera checkpoint compression define denoise envmap exposure field format fov \
                         ground lenient limit-decoded look-at material noise oidn output pixel preview \
-                        quality reference resume shard sky spp stats strict time up";
+                        quality reference resume shard sky spp stats strict time up view";
         assert_eq!(left_out.join(" "), expected);
     }
 }

@@ -99,7 +99,7 @@ impl Typed<'_> {
         if !formats.iter().any(is_shown) {
             let why =
                 "none of the outputs is a .png or .jpg, and the others keep the light as it is";
-            list.extend(self.without_effect(&["exposure"], why));
+            list.extend(self.without_effect(&["exposure", "view"], why));
         }
         list
     }

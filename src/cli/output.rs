@@ -8,7 +8,7 @@ use super::render_args::RenderArgs;
 use super::targets::{Named, check_distinct, named, try_target};
 use crate::film::part::{self, Packing, PartReader, Record};
 use crate::film::{Film, Shard};
-use crate::image::{self, Compression, Format, Image, WriteOptions, atomic};
+use crate::image::{self, Compression, Format, Image, ViewTransform, WriteOptions, atomic};
 use std::path::{Path, PathBuf};
 
 /// Pixels of an image that viewers rather read in pieces: larger EXRs are written in tiles.
@@ -150,12 +150,14 @@ impl Outputs {
         picture: &Image,
         exr: &ExrArgs,
         exposure: f32,
+        view: ViewTransform,
     ) -> Result<(), Failure> {
         let options = WriteOptions {
             pixel_type: None,
             compression: exr.compression,
             tiled: u64::from(picture.width) * u64::from(picture.height) > LARGE,
             exposure,
+            view,
         };
         let mut failures = Vec::new();
         for path in &self.images {

@@ -32,10 +32,12 @@ pub mod regular;
 pub mod spill;
 #[cfg(test)]
 mod tests;
+mod view_transform;
 mod write;
 mod write_options;
 
 pub use file::{read, read_linear};
+pub use view_transform::ViewTransform;
 pub use write::{Format, load_library, write};
 pub use write_options::{Compression, WriteOptions};
 

@@ -58,6 +58,7 @@ fn exr_returns_what_it_got_in_every_packing() {
                     compression,
                     tiled,
                     exposure: 3.0,
+                    view: ViewTransform::Agx,
                 };
                 write(&path, &image, &options).unwrap();
                 let back = read(&path).unwrap();

@@ -2,10 +2,8 @@
 
 #[cfg(feature = "oiio")]
 use super::Compression;
-use super::curve::linear_to_srgb;
-use super::{
-    Attribute, Channel, Image, ImageError, PixelType, WriteOptions, atomic, color_channels,
-};
+use super::{Attribute, Image, ImageError, PixelType, WriteOptions, atomic, color_channels};
+use crate::math::Rgb;
 use std::path::Path;
 
 /// A file format, from the name of a file.
@@ -138,7 +136,6 @@ fn prepare(image: &Image, name: &str, format: Format, options: &WriteOptions) ->
     }
     let keep = kept_channels(image, format);
     let n = image.channels.len();
-    let gain = options.exposure.exp2();
     let half_limit = f32::from(half::f16::MAX);
     let chosen = |c: &usize| image.channels[*c].clone();
     let mut out = Image {
@@ -150,20 +147,34 @@ fn prepare(image: &Image, name: &str, format: Format, options: &WriteOptions) ->
     };
     let stored = types(&out, format, options);
     // Non-finite numbers are left alone: hiding them would hide a bug. Finite ones stay finite.
-    let convert = |channel: &Channel, stored: PixelType, x: f32| match (format.is_display(), stored)
-    {
-        (true, _) if channel.name == "A" => x,
-        (true, _) => linear_to_srgb(x * gain).clamp(0.0, 1.0),
-        (false, PixelType::Half) if x.is_finite() => x.clamp(-half_limit, half_limit),
+    let convert = |stored: PixelType, x: f32| match stored {
+        PixelType::Half if x.is_finite() => x.clamp(-half_limit, half_limit),
         _ => x,
     };
     out.pixels = image
         .pixels
         .chunks_exact(n.max(1))
         .flat_map(|p| keep.iter().enumerate().map(|(i, &c)| (i, p[c])))
-        .map(|(i, x)| convert(&out.channels[i], stored[i], x))
+        .map(|(i, x)| convert(stored[i], x))
         .collect();
+    if format.is_display() {
+        show(&mut out, options);
+    }
     out
+}
+
+/// Turns linear light into what is shown of it: of the first three channels, or the only one.
+fn show(image: &mut Image, options: &WriteOptions) {
+    let gain = options.exposure.exp2();
+    let colors = if image.channels.len() < 3 { 1 } else { 3 };
+    for pixel in image.pixels.chunks_exact_mut(image.channels.len().max(1)) {
+        let light = match colors {
+            1 => Rgb::splat(pixel[0]),
+            _ => Rgb::new(pixel[0], pixel[1], pixel[2]),
+        };
+        let shown = options.view.apply(light * gain);
+        pixel[..colors].copy_from_slice(&shown[..colors]);
+    }
 }
 
 /// Which channels a format takes.

@@ -1,6 +1,6 @@
 //! How numbers and pixels are stored in a file that is written.
 
-use super::PixelType;
+use super::{PixelType, ViewTransform};
 
 /// How the pixels of a file are packed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -32,4 +32,6 @@ pub struct WriteOptions {
     pub tiled: bool,
     /// PNG and JPEG show the picture times 2 to this power.
     pub exposure: f32,
+    /// How they show it.
+    pub view: ViewTransform,
 }

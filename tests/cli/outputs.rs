@@ -158,15 +158,28 @@ fn layers_are_in_the_file_that_was_asked_for_them() {
 
 #[cfg(feature = "oiio")]
 #[test]
-fn exposure_doubles_the_light_of_a_png_and_leaves_the_exr() {
+fn exposure_and_view_shape_a_png_and_leave_the_exr() {
     let place = Place::new();
     place.run("render scene.xml -o a.exr -o a.png").ok();
+    let mut pictures = vec![place.read("a.png")];
+    let views = ["neutral", "agx", "filmic", "raw"].map(|view| format!("--view {view}"));
+    for words in views.iter().map(String::as_str).chain(["--exposure -2"]) {
+        place
+            .run(&format!("render scene.xml -o b.exr -o b.png {words}"))
+            .ok();
+        let [a, b] = ["a.exr", "b.exr"].map(|name| read_channels(&place.path(name)));
+        assert_eq!(a, b, "{words}");
+        let picture = place.read("b.png");
+        assert!(!pictures.contains(&picture), "{words}");
+        pictures.push(picture);
+    }
     place
-        .run("render scene.xml -o b.exr -o b.png --exposure -2")
-        .ok();
-    let [a, b] = ["a.exr", "b.exr"].map(|name| read_channels(&place.path(name)));
-    assert_eq!(a, b);
-    assert_ne!(place.read("a.png"), place.read("b.png"));
+        .run("render scene.xml --view vivid")
+        .fails(2, &["vivid", "neutral", "agx"]);
+    place
+        .run("render scene.xml -o a.exr --view agx")
+        .ok()
+        .says(&["--view has no effect"]);
 }
 
 #[test]
