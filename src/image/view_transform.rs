@@ -28,22 +28,31 @@ pub enum ViewTransform {
 const BRIGHTEST: f32 = 1e10;
 
 impl ViewTransform {
-    /// What to store for linear light: 0 to 1, or NaN where a channel is no number.
+    /// What to store for linear light: 0 to 1. A channel that is no number stays none: hiding it
+    /// would hide a bug.
     pub fn apply(self, light: Rgb) -> [f32; 3] {
-        if light.is_nan() {
-            // Hiding them would hide a bug.
-            return [f32::NAN; 3];
-        }
-        let light = light.clamp(Rgb::ZERO, Rgb::splat(BRIGHTEST));
-        let linear = match self {
-            Self::Raw => return light.min(Rgb::ONE).to_array(),
-            Self::Srgb => light,
-            Self::Neutral => neutral(light),
-            Self::Agx => agx(light),
-            Self::Filmic => filmic(light),
+        let bounded = light.map(|x| match x.is_nan() {
+            true => 0.0,
+            false => x.clamp(0.0, BRIGHTEST),
+        });
+        let shown = match self {
+            Self::Raw => bounded,
+            Self::Srgb => encoded(bounded),
+            Self::Neutral => encoded(neutral(bounded)),
+            Self::Agx => encoded(agx(bounded)),
+            Self::Filmic => encoded(filmic(bounded)),
         };
-        linear.to_array().map(|x| linear_to_srgb(x).clamp(0.0, 1.0))
+        let channel = |c: usize| match light[c].is_nan() {
+            true => f32::NAN,
+            false => shown[c].clamp(0.0, 1.0),
+        };
+        [channel(0), channel(1), channel(2)]
     }
+}
+
+/// By the sRGB curve.
+fn encoded(linear: Rgb) -> Rgb {
+    linear.map(linear_to_srgb)
 }
 
 /// The specification's function (github.com/KhronosGroup/ToneMapping, `PBR_Neutral`): takes off the
@@ -115,15 +124,11 @@ fn sigmoid(x: f32) -> f32 {
     const POWER: f32 = 1.5;
     const SLOPE: f32 = 2.4;
     // Middle grey: 10 of 16.5 stops above the darkest, 0.18 on a screen of gamma 2.4.
-    const PIVOT: [f32; 2] = [10.0 / 16.5, 0.489_434_4];
-    let scale = |x: f32, y: f32| {
-        let a = (SLOPE * x).powf(-POWER) * ((SLOPE * x / y).powf(POWER) - 1.0);
-        a.powf(-1.0 / POWER)
-    };
-    let side = match x < PIVOT[0] {
-        true => -scale(PIVOT[0], PIVOT[1]),
-        false => scale(1.0 - PIVOT[0], 1.0 - PIVOT[1]),
-    };
+    const PIVOT: [f32; 2] = [10.0 / 16.5, 0.489_437_1];
+    // Sizes of the hyperbolas, by which they end where they should (a test asks for it).
+    const TOE: f32 = -0.565_676;
+    const SHOULDER: f32 = 0.715_198;
+    let side = if x < PIVOT[0] { TOE } else { SHOULDER };
     let t = SLOPE * (x - PIVOT[0]) / side;
     let y = side * t / (1.0 + t.powf(POWER)).powf(1.0 / POWER) + PIVOT[1];
     y.max(0.0)
@@ -196,6 +201,11 @@ mod tests {
     }
 
     #[test]
+    fn the_sigmoid_begins_and_ends_at_the_ends_of_its_range() {
+        assert!(sigmoid(0.0) < 1e-5 && (sigmoid(1.0) - 1.0).abs() < 1e-5);
+    }
+
+    #[test]
     fn hables_curve_has_the_values_of_his_formula() {
         // 0.18 twice over: (0.36 * 0.104 + 0.004) / (0.36 * 0.554 + 0.06) - 1 / 15 = 0.093 06, over
         // the 0.725 13 of white.
@@ -231,6 +241,7 @@ mod tests {
                 );
             }
             assert!(view.apply(Rgb::new(f32::NAN, 0.0, 0.0))[0].is_nan());
+            assert!(view.apply(Rgb::new(f32::NAN, 0.0, 0.0))[1] < 0.001);
         }
     }
 }
