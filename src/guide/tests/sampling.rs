@@ -1,8 +1,8 @@
 //! Sampling and density: partition, normalisation, chi-square.
 
-use super::synthetic::{Patch, integral, square, unit_box};
+use super::synthetic::{Patch, chi_square_z, integral, square, unit_box};
 use crate::guide::{ModelKind, Product, Settings, Trainer};
-use crate::math::equal_area::{DirectionCell, direction_code};
+use crate::math::equal_area::direction_code;
 use crate::math::warp::uniform_sphere;
 use crate::math::{Pcg32, Rgb, Vec2, Vec3};
 
@@ -76,7 +76,7 @@ fn densities_integrate_to_one() {
 
 /// Pearson's statistic of samples against the density integrated over 64 equal cells, as a z-score.
 /// A density wrong by 1 % moves it by N * 1e-4, 60 at the sample count below: about 4 deviations.
-fn chi_square_z(local: &crate::guide::LocalField, samples: u32, rng: &mut Pcg32) -> f64 {
+fn deviation(local: &crate::guide::LocalField, samples: u32, rng: &mut Pcg32) -> f64 {
     const CELLS: usize = 64;
     let mut counts = [0u32; CELLS];
     for _ in 0..samples {
@@ -87,33 +87,7 @@ fn chi_square_z(local: &crate::guide::LocalField, samples: u32, rng: &mut Pcg32)
         assert!((again - s.pdf).abs() <= 1e-5 * s.pdf, "{again} {}", s.pdf);
         counts[(direction_code(s.direction) >> 26) as usize] += 1;
     }
-    let (mut statistic, mut freedom) = (0.0, -1.0);
-    let (mut pooled, mut pooled_count) = (0.0, 0.0);
-    for (i, &count) in counts.iter().enumerate() {
-        let cell = DirectionCell::containing((i as u32) << 26, 3);
-        let n = 128;
-        let sum: f64 = (0..n * n)
-            .map(|k| {
-                let u = Vec2::new((k % n) as f32 + 0.5, (k / n) as f32 + 0.5) / n as f32;
-                f64::from(local.pdf(cell.direction(u)))
-            })
-            .sum();
-        let expected = sum / f64::from(n * n) * f64::from(cell.solid_angle()) * f64::from(samples);
-        if expected < 5.0 {
-            pooled += expected;
-            pooled_count += f64::from(count);
-            continue;
-        }
-        statistic += (f64::from(count) - expected).powi(2) / expected;
-        freedom += 1.0;
-    }
-    if pooled >= 5.0 {
-        statistic += (pooled_count - pooled).powi(2) / pooled;
-        freedom += 1.0;
-    }
-    // Wilson-Hilferty: the cube root of a chi-square variable is nearly normal.
-    let v = 2.0 / (9.0 * freedom);
-    ((statistic / freedom).cbrt() - (1.0 - v)) / v.sqrt()
+    chi_square_z(&counts, 128, |w| local.pdf(w))
 }
 
 fn chi_square(model: ModelKind, product: Product, points: u32) {
@@ -124,7 +98,7 @@ fn chi_square(model: ModelKind, product: Product, points: u32) {
         let x = point(&mut rng);
         let normal = (i % 4 != 0).then(|| uniform_sphere(square(&mut rng)));
         let local = field.at(x, normal, Rgb::new(0.2, 1.0, 0.6));
-        worst = worst.max(chi_square_z(&local, 600_000, &mut rng));
+        worst = worst.max(deviation(&local, 600_000, &mut rng));
     }
     // One-sided 1 % over all points (Sidak, at most 12 points): z = 3.14; a 1 % wrong density
     // fails.
@@ -245,7 +219,7 @@ fn a_cell_draws_from_needles_that_only_its_neighbours_met() {
     let mut rng = Pcg32::new(3, 8);
     let mut density = |x: f32| {
         let local = field.at(Vec3::new(x, 0.4, 0.25), None, Rgb::ONE);
-        let z = chi_square_z(&local, 600_000, &mut rng);
+        let z = deviation(&local, 600_000, &mut rng);
         assert!(z < 3.2, "{z}");
         local.pdf(needle)
     };

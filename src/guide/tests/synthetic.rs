@@ -1,11 +1,27 @@
 //! Synthetic scenes: surfaces, photons and the true light, without a renderer.
 
 use crate::guide::{Photon, Settings, SurfacePoint};
+use crate::math::equal_area::DirectionCell;
 use crate::math::warp::{cosine_hemisphere, uniform_sphere};
 use crate::math::{Frame, Pcg32, Rgb, Vec2, Vec3};
 
 pub fn square(rng: &mut Pcg32) -> Vec2 {
     Vec2::new(rng.next_f32(), rng.next_f32())
+}
+
+/// Numbers that no record should have.
+pub fn odd_number(rng: &mut Pcg32) -> f32 {
+    let numbers = [
+        f32::NAN,
+        f32::INFINITY,
+        -f32::INFINITY,
+        0.0,
+        -1.0,
+        1e38,
+        1e-45,
+        f32::MAX,
+    ];
+    numbers[rng.next_u32() as usize % numbers.len()]
 }
 
 pub fn unit_box() -> Settings {
@@ -129,4 +145,37 @@ pub fn integral(n: u32, pdf: impl Fn(Vec3) -> f32) -> f64 {
         })
         .sum();
     sum / f64::from(n) * 4.0 * std::f64::consts::PI
+}
+
+/// Pearson's statistic of how many samples fell into each of the 64 direction cells of level 3, as a
+/// normal deviate. Expected counts are integrals of `pdf` by `side` x `side` midpoints: exact within
+/// finer cells of a tree, but for those that a horizon cuts.
+pub fn chi_square_z(counts: &[u32; 64], side: u32, pdf: impl Fn(Vec3) -> f32) -> f64 {
+    let samples: f64 = counts.iter().map(|&count| f64::from(count)).sum();
+    let (mut statistic, mut freedom) = (0.0, -1.0);
+    let (mut pooled, mut pooled_count) = (0.0, 0.0);
+    for (i, &count) in counts.iter().enumerate() {
+        let cell = DirectionCell::containing((i as u32) << 26, 3);
+        let sum: f64 = (0..side * side)
+            .map(|k| {
+                let u = Vec2::new((k % side) as f32 + 0.5, (k / side) as f32 + 0.5) / side as f32;
+                f64::from(pdf(cell.direction(u)))
+            })
+            .sum();
+        let expected = sum / f64::from(side * side) * f64::from(cell.solid_angle()) * samples;
+        if expected < 5.0 {
+            pooled += expected;
+            pooled_count += f64::from(count);
+            continue;
+        }
+        statistic += (f64::from(count) - expected).powi(2) / expected;
+        freedom += 1.0;
+    }
+    if pooled >= 5.0 {
+        statistic += (pooled_count - pooled).powi(2) / pooled;
+        freedom += 1.0;
+    }
+    // Wilson-Hilferty: the cube root of a chi-square variable is nearly normal.
+    let v = 2.0 / (9.0 * freedom);
+    ((statistic / freedom).cbrt() - (1.0 - v)) / v.sqrt()
 }

@@ -2,6 +2,7 @@
 
 use super::super::{GmmTrainer, Sample, Settings};
 use super::fit;
+use crate::guide::tests::synthetic::odd_number;
 use crate::guide::{Photon, SurfacePoint};
 use crate::math::{Pcg32, Rgb, Vec2, Vec3};
 
@@ -17,17 +18,7 @@ fn photon() -> Photon {
 
 /// A photon with one thing wrong.
 fn odd(rng: &mut Pcg32) -> Photon {
-    let numbers = [
-        f32::NAN,
-        f32::INFINITY,
-        -f32::INFINITY,
-        0.0,
-        -1.0,
-        1e38,
-        1e-45,
-        f32::MAX,
-    ];
-    let number = numbers[rng.next_u32() as usize % numbers.len()];
+    let number = odd_number(rng);
     let mut p = photon();
     let vector = match rng.next_u32() % 5 {
         0 => &mut p.position,

@@ -3,12 +3,9 @@
 use super::super::{GmmTrainer, LOBES, Lobe, Mixture, Sample, Settings};
 use super::fit;
 use crate::guide::gaussian::Domain;
+use crate::guide::tests::synthetic::square;
 use crate::guide::{Photon, SurfacePoint};
 use crate::math::{Pcg32, Rgb, Vec2, Vec3};
-
-fn square(rng: &mut Pcg32) -> Vec2 {
-    Vec2::new(rng.next_f32(), rng.next_f32())
-}
 
 /// Three lobes well apart.
 fn known() -> Mixture {

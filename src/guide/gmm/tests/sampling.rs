@@ -4,12 +4,9 @@ use super::super::field::LocalMixture;
 use super::super::square::{DENSITY, to_hemisphere, to_square};
 use super::super::{LOBES, Lobe, Mixture, Mixtures};
 use crate::guide::gaussian::Domain;
+use crate::guide::tests::synthetic::square;
 use crate::math::warp::uniform_sphere;
 use crate::math::{Pcg32, Vec2, Vec3};
-
-fn square(rng: &mut Pcg32) -> Vec2 {
-    Vec2::new(rng.next_f32(), rng.next_f32())
-}
 
 #[test]
 fn the_map_is_its_own_inverse_and_keeps_areas() {

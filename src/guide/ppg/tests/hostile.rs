@@ -3,6 +3,7 @@
 use super::{floor, mean_over_sphere, taught, unit_box};
 use crate::guide::PathSample;
 use crate::guide::ppg::{PpgTrainer, Settings};
+use crate::guide::tests::synthetic::odd_number;
 use crate::math::{Pcg32, Rgb, Vec2, Vec3};
 
 fn sample() -> PathSample {
@@ -18,17 +19,7 @@ fn sample() -> PathSample {
 
 /// A record with one thing wrong.
 fn odd(rng: &mut Pcg32) -> PathSample {
-    let numbers = [
-        f32::NAN,
-        f32::INFINITY,
-        -f32::INFINITY,
-        0.0,
-        -1.0,
-        1e38,
-        1e-45,
-        f32::MAX,
-    ];
-    let number = numbers[rng.next_u32() as usize % numbers.len()];
+    let number = odd_number(rng);
     let mut s = sample();
     let vector = match rng.next_u32() % 7 {
         0 => &mut s.position,

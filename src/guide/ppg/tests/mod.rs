@@ -6,13 +6,9 @@ mod sampling;
 
 use super::{PpgTrainer, Settings};
 use crate::guide::PathSample;
+use crate::guide::tests::synthetic::square;
 use crate::math::warp::uniform_sphere;
 use crate::math::{Pcg32, Rgb, Vec2, Vec3};
-
-/// Two uniform numbers.
-fn square(rng: &mut Pcg32) -> Vec2 {
-    Vec2::new(rng.next_f32(), rng.next_f32())
-}
 
 /// The mean of a function over points spread evenly over the sphere.
 fn mean_over_sphere(side: u32, f: impl Fn(Vec3) -> f32) -> f64 {

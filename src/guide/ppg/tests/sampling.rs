@@ -2,14 +2,14 @@
 
 use super::{mean_over_sphere, square};
 use crate::guide::ppg::{LocalTree, PpgTrainer};
-use crate::math::equal_area::{DirectionCell, direction_code};
+use crate::guide::tests::synthetic::chi_square_z;
+use crate::math::equal_area::direction_code;
 use crate::math::warp::uniform_sphere;
 use crate::math::{Pcg32, Vec2, Vec3};
 use std::f64::consts::PI;
 
-/// Pearson's statistic over 64 direction cells as a normal deviate. Expected counts by midpoints:
-/// exact within cells of the trees of directions, but for those that the horizon cuts.
-fn chi_square_z(local: &LocalTree, samples: u32, rng: &mut Pcg32) -> f64 {
+/// Samples of one tree against its density.
+fn deviation(local: &LocalTree, samples: u32, rng: &mut Pcg32) -> f64 {
     let mut counts = [0u32; 64];
     for _ in 0..samples {
         let s = local.sample(rng.next_f32(), square(rng));
@@ -25,32 +25,7 @@ fn chi_square_z(local: &LocalTree, samples: u32, rng: &mut Pcg32) -> f64 {
         );
         counts[(direction_code(s.direction) >> 26) as usize] += 1;
     }
-    let (mut statistic, mut freedom) = (0.0, -1.0);
-    let mut pooled = [0.0; 2];
-    for (i, &count) in counts.iter().enumerate() {
-        let cell = DirectionCell::containing((i as u32) << 26, 3);
-        let n = 256;
-        let sum: f64 = (0..n * n)
-            .map(|k| {
-                let u = Vec2::new((k % n) as f32 + 0.5, (k / n) as f32 + 0.5) / n as f32;
-                f64::from(local.pdf(cell.direction(u)))
-            })
-            .sum();
-        let expected = sum / f64::from(n * n) * f64::from(cell.solid_angle()) * f64::from(samples);
-        if expected < 5.0 {
-            pooled = [pooled[0] + expected, pooled[1] + f64::from(count)];
-            continue;
-        }
-        statistic += (f64::from(count) - expected).powi(2) / expected;
-        freedom += 1.0;
-    }
-    if pooled[0] >= 5.0 {
-        statistic += (pooled[1] - pooled[0]).powi(2) / pooled[0];
-        freedom += 1.0;
-    }
-    // Wilson-Hilferty: the cube root of a chi-square variable is nearly normal.
-    let v = 2.0 / (9.0 * freedom);
-    ((statistic / freedom).cbrt() - (1.0 - v)) / v.sqrt()
+    chi_square_z(&counts, 256, |w| local.pdf(w))
 }
 
 #[test]
@@ -63,7 +38,7 @@ fn samples_match_their_density_with_a_horizon_and_without() {
         let x = Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32());
         let horizon = (i % 3 != 0).then_some(normal);
         let local = tree.at(x, normal, horizon).unwrap();
-        worst = worst.max(chi_square_z(&local, 400_000, &mut rng));
+        worst = worst.max(deviation(&local, 400_000, &mut rng));
     }
     // One-sided 1 % over twelve points: z = 3.14; a density that is 1 % off fails.
     assert!(worst < 3.2, "{worst}");
