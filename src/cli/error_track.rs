@@ -113,7 +113,7 @@ impl ErrorTrack {
 
 /// The reference, cut to the film's crop if it shows the whole.
 fn fitting(path: &Path, whole: Image, film: &FilmDescription) -> Result<Image, Failure> {
-    let [x0, y0, x1, y1] = film.crop.unwrap_or([0, 0, film.width, film.height]);
+    let [x0, y0, x1, y1] = film.region();
     let size = (whole.width, whole.height);
     if size == (x1 - x0, y1 - y0) {
         return Ok(whole);

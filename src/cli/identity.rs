@@ -47,7 +47,7 @@ pub fn record(
             field: of.field,
             settings: settings((args, way), view, limits).into_iter().collect(),
         },
-        region: film.crop.unwrap_or([0, 0, film.width, film.height]),
+        region: film.region(),
         goal: (!endless).then_some(limits.spp),
         shard: args.parts.shard.unwrap_or(Shard::ALL),
         origin: Origin {

@@ -55,6 +55,7 @@ impl Cli {
         if let (Command::Render(args), Some(matches)) =
             (&mut cli.command, matches.subcommand_matches("render"))
         {
+            leave_shards_unguided(args, matches);
             apply(args, matches);
         }
         if let Some((_, matches)) = matches.subcommand() {
@@ -111,16 +112,20 @@ fn with_successor(mut error: clap::Error) -> clap::Error {
     error
 }
 
-/// Puts the settings of the quality where nothing was typed.
-fn apply(args: &mut RenderArgs, matches: &ArgMatches) {
+/// Each shard would learn the same field anew: they are guided where that is typed.
+fn leave_shards_unguided(args: &mut RenderArgs, matches: &ArgMatches) {
     let typed = |id: &str| matches.value_source(id) == Some(ValueSource::CommandLine);
     if args.parts.shard.is_some() && !typed("guide") && !typed("field") {
-        // Each shard would learn the same field anew.
         args.guide.guide = Some(Guide::None);
     }
+}
+
+/// Puts the settings of the quality where nothing was typed.
+fn apply(args: &mut RenderArgs, matches: &ArgMatches) {
     let Some(preset) = args.stop.quality else {
         return;
     };
+    let typed = |id: &str| matches.value_source(id) == Some(ValueSource::CommandLine);
     let settings = settings(preset);
     if !["spp", "time", "noise"].into_iter().any(typed) {
         args.stop.noise = Some(settings.noise);

@@ -28,7 +28,7 @@ pub fn apply_to_film(args: &RenderArgs, description: &mut Description) -> Result
     if let Some(exposure) = args.files.exposure {
         film.exposure = exposure;
     }
-    check_memory(film.crop.unwrap_or([0, 0, film.width, film.height]))
+    check_memory(film.region())
 }
 
 /// Sets the size; one side alone keeps the proportions. The scene's own crop grows with the film.
@@ -157,14 +157,12 @@ pub fn photons_for(args: &GuideArgs, film: &FilmDescription, limits: &Limits) ->
 
 /// As many photons as an image is worth.
 pub fn photons_as_needed(film: &FilmDescription, limits: &Limits) -> Budget {
-    let [x0, y0, x1, y1] = film.crop.unwrap_or([0, 0, film.width, film.height]);
-    let pixels = u64::from(x1 - x0) * u64::from(y1 - y0);
     let spp = match limits.spp {
         u64::MAX if limits.time.is_none() => ENDLESS_SPP,
         spp => spp,
     };
     Budget::AsNeeded {
-        samples: pixels.saturating_mul(spp),
+        samples: film.pixels().saturating_mul(spp),
         time: limits.time,
     }
 }

@@ -49,7 +49,7 @@ pub fn warn(
 
 /// Rays through points all over the film.
 fn grid(camera: &Camera, film: &FilmDescription) -> Vec<Ray> {
-    let [x0, y0, x1, y1] = film.crop.unwrap_or([0, 0, film.width, film.height]);
+    let [x0, y0, x1, y1] = film.region();
     let place = |low: u32, high: u32, i: u32| {
         low as f32 + (high - low) as f32 * (i as f32 + 0.5) / RAYS as f32
     };

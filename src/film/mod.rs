@@ -34,6 +34,19 @@ pub struct FilmDescription {
     pub exposure: f32,
 }
 
+impl FilmDescription {
+    /// The part to render: x0, y0, x1, y1 in pixels, upper bounds not included.
+    pub fn region(&self) -> [u32; 4] {
+        self.crop.unwrap_or([0, 0, self.width, self.height])
+    }
+
+    /// Pixels of that part.
+    pub fn pixels(&self) -> u64 {
+        let [x0, y0, x1, y1] = self.region();
+        u64::from(x1 - x0) * u64::from(y1 - y0)
+    }
+}
+
 pub mod features;
 mod late;
 pub mod layers;
@@ -78,8 +91,7 @@ impl Film {
 
     /// An empty film that holds the tiles of `shard`.
     pub fn shard(description: &FilmDescription, shard: Shard) -> Self {
-        let full = [0, 0, description.width, description.height];
-        let mut film = Self::vacant(description.crop.unwrap_or(full));
+        let mut film = Self::vacant(description.region());
         for i in shard.tiles(film.tiles.len()) {
             let tile = &mut film.tiles[i];
             tile.pixels = vec![Pixel::default(); tile.area()];

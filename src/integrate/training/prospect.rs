@@ -32,15 +32,10 @@ pub fn nothing_to_learn(view: &View) -> Option<&'static str> {
 /// Why a field is not worth learning for an image with these limits; `None` if it may be: then a
 /// trial while rendering tells.
 pub fn not_worthwhile(view: &View, limits: &Limits) -> Option<&'static str> {
-    let [x0, y0, x1, y1] = view
-        .film
-        .crop
-        .unwrap_or([0, 0, view.film.width, view.film.height]);
-    let pixels = u64::from(x1 - x0) * u64::from(y1 - y0);
     if view.settings.max_depth <= DIRECT {
         return Some("paths are too short for indirect light");
     }
-    let samples = pixels.saturating_mul(limits.spp);
+    let samples = view.film.pixels().saturating_mul(limits.spp);
     if limits.spp < FEWEST_SPP || samples < FEWEST_SAMPLES {
         return Some("the image has too few samples");
     }

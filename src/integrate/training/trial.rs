@@ -15,30 +15,20 @@
 //! clean until then. So guiding is stopped only where the worst pixels do not outweigh all others
 //! and both images show the same light.
 
+mod scope;
+
 use super::effort;
 use super::importance::FAR;
-use crate::film::{FLOOR, Film, FilmDescription, Pixel, Shard, Tile};
+use crate::film::{FLOOR, Film, FilmDescription, Pixel, Tile};
 use crate::guide::Cells;
-use crate::integrate::camera_sample::Iteration;
-use crate::integrate::context::{PathContext, View};
+use crate::integrate::context::View;
 use crate::integrate::guiding::{Guidance, Guide};
-use crate::integrate::manifold::rate::{RateStatistics, RateTrial};
+use crate::integrate::manifold::rate::RateTrial;
 use crate::integrate::progress::{Observer, Progress};
 use crate::integrate::settings::PathSettings;
 use crate::integrate::tiles::Job;
+use scope::{SETS, Scope};
 
-use rayon::prelude::*;
-use std::ops::Range;
-
-/// The trial's tiles: one in so many, at least.
-const SHARE: u32 = 8;
-/// The trial's samples: numbers that no image reaches, of two point sets.
-const SETS: [u64; 2] = [1 << 40, (1 << 40) + (1 << 20)];
-/// Samples of a pixel in each, at most and at least.
-const MAX_SPP: u64 = 4;
-const MIN_SPP: u64 = 2;
-/// Tiles that a trial has at least, if the film does.
-const FEWEST_TILES: u64 = 8;
 /// The field is still learning, and errors that are cut hide a part of what it gains: it may be
 /// behind by this factor and go on, at first and when it is tried again. The gains that
 /// trials found beside those of whole renders are in `EXPERIMENTS.md`.
@@ -214,128 +204,6 @@ impl Observer for Unwatched {
     fn should_stop(&self) -> bool {
         false
     }
-}
-
-/// How large a trial is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Scope {
-    /// One tile in so many,
-    share: u32,
-    /// and so many samples of each of their pixels by each point set.
-    samples: u64,
-}
-
-/// Tiles rendered one way.
-struct Way {
-    /// By point set.
-    tiles: Vec<Vec<Tile>>,
-    /// What manifold next-event estimation brought in each tile, by the first set.
-    gains: Vec<RateStatistics>,
-    /// Rays a path.
-    rays: f64,
-}
-
-impl Way {
-    /// Tile by tile, as both sets show it.
-    fn pairs(&self) -> impl Iterator<Item = [&Tile; 2]> {
-        let sets = self.tiles[0].iter().zip(&self.tiles[1]);
-        sets.map(|(a, b)| [a, b])
-    }
-}
-
-impl Scope {
-    /// One for about so many paths of both sets together: many tiles rather than many samples, for
-    /// an image has many places; at most an eighth of the film.
-    fn new(film: &FilmDescription, paths: u64) -> Self {
-        let all = Film::vacant(film.crop.unwrap_or([0, 0, film.width, film.height]));
-        let tiles = all.tiles().len().max(1) as u64;
-        let pixels: u64 = all.tiles().iter().map(|t| t.area() as u64).sum();
-        let each = (pixels / tiles).max(1) * SETS.len() as u64;
-        let most = (tiles / u64::from(SHARE))
-            .max(FEWEST_TILES.min(tiles))
-            .max(1);
-        let samples = (paths / (each * most)).clamp(MIN_SPP, MAX_SPP);
-        let wanted = (paths / (each * samples))
-            .clamp(FEWEST_TILES.min(most), most)
-            .max(1);
-        Self {
-            share: (tiles / wanted).max(1) as u32,
-            samples,
-        }
-    }
-
-    /// The tiles by both point sets.
-    fn both(&self, job: &Job, film: &FilmDescription, guide: Option<Guidance>) -> Way {
-        self.render(job, film, guide, &SETS)
-    }
-
-    fn render(
-        &self,
-        job: &Job,
-        film: &FilmDescription,
-        guide: Option<Guidance>,
-        sets: &[u64],
-    ) -> Way {
-        let context = PathContext {
-            guide,
-            ..job.view.context()
-        };
-        let before = job.rays();
-        let shard = Shard {
-            index: 0,
-            count: self.share,
-        };
-        let (mut tiles, mut gains, mut paths) = (Vec::new(), Vec::new(), 0);
-        for &begin in sets {
-            let mut film = Film::shard(film, shard);
-            let found = take(job, &context, &mut film, begin..begin + self.samples);
-            paths += film.held_pixels() * self.samples;
-            let held = |tile: &&Tile| tile.is_held();
-            tiles.push(film.tiles().iter().filter(held).cloned().collect());
-            gains.push(found);
-        }
-        Way {
-            tiles,
-            gains: gains.swap_remove(0),
-            rays: (job.rays() - before) as f64 / paths.max(1) as f64,
-        }
-    }
-
-    /// The errors of a tile's pixels that both sets have rendered, each that of a single sample:
-    /// squared, mean over the channels.
-    fn errors<'t>(&self, [a, b]: [&'t Tile; 2]) -> impl Iterator<Item = f64> + use<'t> {
-        let samples = self.samples as f64;
-        a.pixels.iter().zip(&b.pixels).map(move |(p, q)| {
-            let squares = p
-                .mean()
-                .into_iter()
-                .zip(q.mean())
-                .map(|(x, y)| (x - y).powi(2));
-            samples * squares.sum::<f64>() / 6.0
-        })
-    }
-}
-
-/// Takes these samples of the tiles that a film holds; and what
-/// manifold next-event estimation brought in each.
-fn take(
-    job: &Job,
-    context: &PathContext,
-    film: &mut Film,
-    samples: Range<u64>,
-) -> Vec<RateStatistics> {
-    // A point set of its own.
-    let iteration = Iteration::new(samples.start, None);
-    let of_tile = |tile: &mut Tile| {
-        let mut gains = RateStatistics::default();
-        if !job.observer.should_stop() && !job.has_given_up() {
-            let part = iteration.part(samples.clone(), 0);
-            job.take_samples(context, tile, part, &mut gains, |_, _, _| {});
-        }
-        gains
-    };
-    let tiles = film.tiles_mut().par_iter_mut().with_max_len(1);
-    tiles.filter(|tile| tile.is_held()).map(of_tile).collect()
 }
 
 /// What the second sums to over what the first sums to, and the standard error of that, by

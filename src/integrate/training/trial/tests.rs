@@ -1,3 +1,4 @@
+use super::scope::{MAX_SPP, MIN_SPP, SHARE};
 use super::*;
 use crate::film::FilmKind;
 use crate::film::filter::Filter;
