@@ -17,7 +17,7 @@ use twintree::integrate::training::mixtures::{self, learn_mixtures};
 use twintree::integrate::training::{
     LearnSettings, Learned, Learner, garbage, garbage_sd_tree, learn,
 };
-use twintree::light::Emitter;
+use twintree::light::{CHILDREN, Emitter};
 use twintree::math::{Affine3A, Rgb, Vec3};
 
 /// A closed room lit by a lamp that shines at the ceiling, with a metal ball, a glass one and a
@@ -63,6 +63,39 @@ fn room() -> Built {
         * Affine3A::from_scale(Vec3::splat(0.25));
     let lamp = maker.exact(AnalyticKind::Rectangle, up);
     maker.shape(lamp, black, Some(8.0), false);
+    maker.build(Backend::default())
+}
+
+/// Two rooms with a gap between them and a dozen lamps, two of them in the room of the camera.
+fn two_rooms() -> Built {
+    let (eye, at) = (Vec3::new(-0.5, 0.0, -0.9), Vec3::new(-0.3, -0.2, 1.0));
+    let mut maker = SceneMaker::new(eye, at, 70.0, 32);
+    let wall = maker.diffuse(0.5);
+    maker.shape(inside_of_cube(1.0), wall, None, false);
+    // From the floor to below the ceiling, once for each side.
+    let between = |turn: f32| {
+        Affine3A::from_translation(Vec3::new(-0.001 * turn, -0.2, 0.0))
+            * Affine3A::from_rotation_y(-turn * std::f32::consts::FRAC_PI_2)
+            * Affine3A::from_scale(Vec3::new(1.0, 0.8, 1.0))
+    };
+    for turn in [1.0, -1.0] {
+        let partition = maker.exact(AnalyticKind::Rectangle, between(turn));
+        maker.shape(partition, wall, None, false);
+    }
+    let black = maker.diffuse(0.0);
+    for i in 0..12 {
+        let x = if i < 2 {
+            -0.8 + 0.5 * i as f32
+        } else {
+            0.08 * i as f32
+        };
+        let z = -0.8 + 0.13 * i as f32;
+        let down = Affine3A::from_translation(Vec3::new(x, 0.5, z))
+            * Affine3A::from_rotation_x(std::f32::consts::FRAC_PI_2)
+            * Affine3A::from_scale(Vec3::splat(0.05));
+        let lamp = maker.exact(AnalyticKind::Rectangle, down);
+        maker.shape(lamp, black, Some(20.0), false);
+    }
     maker.build(Backend::default())
 }
 
@@ -346,4 +379,22 @@ fn an_empty_scene_teaches_nothing() {
     let (plain, _) = built.render(&settings(), 64);
     let (guided, _) = built.render_guided(&settings(), 64, Some(&taught.guide));
     assert!(plain == guided, "an empty field changes nothing at all");
+}
+
+#[test]
+fn lamps_chosen_by_what_was_learned_or_by_chance_give_the_unguided_mean() {
+    let rooms = two_rooms();
+    let mut path = twelve();
+    let (plain, _) = rooms.render(&path, 1024);
+    path.seed = 2;
+    let field = learned(&rooms, 50_000, 60_000).guide;
+    let factors = (0..field.field.cell_count()).filter_map(|c| field.fractions.light_factors(c));
+    let hidden = |node: &[f32; CHILDREN]| node.iter().any(|&f| f < 0.2);
+    let knowing = factors.filter(|f| f.iter().any(hidden)).count();
+    assert!(knowing > 20, "only {knowing} cells know hidden lamps");
+    let guided = rooms.render_guided(&path, 512, Some(&field)).0;
+    agree("learned", &guided, &plain);
+    let garbage = garbage(&rooms.scene, ModelKind::default(), 9);
+    let guided = rooms.render_guided(&path, 2048, Some(&garbage)).0;
+    agree("random", &guided, &plain);
 }

@@ -8,7 +8,8 @@
 use super::Field;
 use super::bytes::{Reader, Writer};
 use super::content::{read_body, write_body};
-use super::fraction::{Fractions, Habits};
+use super::fraction::Fractions;
+use super::habits::CellStates;
 use super::sample_ranges::SampleRanges;
 use super::settings::{GuideError, Settings};
 use super::train::Trainer;
@@ -16,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 const MAGIC: &[u8; 8] = b"TWINTREE";
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 /// Magic, version, length, checksum.
 const HEADER: usize = 8 + 4 + 8 + 4;
 
@@ -29,7 +30,7 @@ pub struct FieldFile {
     pub sample_ranges: SampleRanges,
     /// What R's leaves have learned about chances, in preorder, which no history of splits can
     /// change; none, if nothing was learned about them.
-    pub(super) fractions: Vec<Habits>,
+    pub(super) fractions: CellStates,
 }
 
 /// The head of the content.
@@ -118,8 +119,7 @@ impl FieldFile {
         let head = serde_json::to_vec(&head).unwrap_or_default();
         w.varint(head.len() as u128);
         w.bytes(&head);
-        w.varint(self.fractions.len() as u128);
-        self.fractions.iter().for_each(|a| a.write(&mut w));
+        self.fractions.write(&mut w);
         write_body(&self.trainer, &mut w);
         let content = w.into_bytes();
         let mut out = Vec::with_capacity(HEADER + content.len());
@@ -151,7 +151,7 @@ impl FieldFile {
         if !head.sample_ranges.is_sound() {
             return damaged("the numbers of records do not fit together", &r);
         }
-        let fractions = read_fractions(&mut r);
+        let fractions = CellStates::read(&mut r);
         let Some(fractions) = fractions else {
             return damaged("a mixture fraction is not one", &r);
         };
@@ -161,7 +161,8 @@ impl FieldFile {
         if r.left() > 0 {
             return damaged("the field has ended, the file has not", &r);
         }
-        if !fractions.is_empty() && fractions.len() != trainer.space.leaf_count() {
+        let cells = fractions.habits.len();
+        if cells > 0 && cells != trainer.space.leaf_count() {
             return damaged("there are not as many fractions as cells", &r);
         }
         Ok(Self {
@@ -242,7 +243,7 @@ impl Trainer {
         FieldFile {
             trainer: self.clone(),
             sample_ranges: SampleRanges::default(),
-            fractions: Vec::new(),
+            fractions: CellStates::default(),
         }
     }
 
@@ -304,9 +305,4 @@ fn open(bytes: &[u8]) -> Result<&[u8], GuideError> {
         ));
     }
     Ok(rest)
-}
-
-fn read_fractions(r: &mut Reader) -> Option<Vec<Habits>> {
-    let n = r.count(Habits::BYTES)?;
-    (0..n).map(|_| Habits::read(r)).collect()
 }

@@ -1,5 +1,6 @@
 //! How often to trust the field: the probability of sampling the field instead of the BSDF, learned
-//! for each cell of R, beside that of sampling a light (see `light_chance.rs`).
+//! for each cell of R, beside that of sampling a light (`light_chance.rs`) and which one
+//! (`light_clusters.rs`).
 //!
 //! The mixture q = a p_field + (1 - a) p_bsdf should be proportional to f = BSDF * radiance *
 //! cosine. The gradient of the KL divergence between the two is estimated from the samples
@@ -7,11 +8,12 @@
 //! direction sampled with density q and value f, dKL/da = -(f/q) (p_field - p_bsdf) / q. It is
 //! followed by Adam on the logit of a, with a weak pull towards 1/2.
 
-use super::adam::Adam;
-use super::bytes::{Reader, Writer};
 use super::cells::Cells;
-use super::light_chance::{LEAST_LIGHT, LightChance};
+use super::habits::{CellStates, Habits};
+use super::light_chance::LEAST_LIGHT;
+use super::light_clusters::{LightChoice, LightClusters};
 use super::record::weight;
+use crate::light::ClusterFactors;
 use crate::math::rng::{hash64, unit_f32};
 use crate::math::{Rgb, Vec3};
 use rayon::prelude::*;
@@ -42,64 +44,10 @@ pub struct FractionRecord {
     pub light: f32,
     /// The chance with which there was a light sample.
     pub light_probability: f32,
+    /// Out of which clusters it came, if there was one.
+    pub light_choice: LightChoice,
     /// All light that the vertex sent on, for the throughput 1.
     pub reflected: f32,
-}
-
-/// What a cell has learned.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Habits {
-    adam: Adam,
-    light: LightChance,
-}
-
-impl Habits {
-    /// Size in a file.
-    pub const BYTES: usize = Adam::BYTES + LightChance::BYTES;
-
-    pub fn write(&self, w: &mut Writer) {
-        self.adam.write(w);
-        self.light.write(w);
-    }
-
-    /// Reads what `write` wrote, if it is sound.
-    pub fn read(r: &mut Reader) -> Option<Self> {
-        Some(Self {
-            adam: Adam::read(r)?,
-            light: LightChance::read(r)?,
-        })
-    }
-
-    /// Takes records in, one after the other; light is counted in `unit`.
-    fn learn<'a>(&mut self, records: impl Iterator<Item = &'a FractionRecord>, unit: f64) {
-        let mut lacking = self.adam.lacking();
-        for record in records {
-            self.learn_one(record, unit, &mut lacking);
-        }
-    }
-
-    fn learn_one(&mut self, r: &FractionRecord, unit: f64, lacking: &mut [f64; 2]) {
-        self.light.add(r.light, r.light_probability, r.reflected);
-        let f = f64::from(weight(r.value)) / unit;
-        let [p, guide, bsdf] = [r.pdf, r.guide_pdf, r.bsdf_pdf].map(f64::from);
-        if !(p > 0.0 && f >= 0.0 && (guide + bsdf + f + p).is_finite()) {
-            return;
-        }
-        let a = self.adam.fraction();
-        let mixture = a * guide + (1.0 - a) * bsdf;
-        if mixture <= 0.0 {
-            return;
-        }
-        let gradient = -(f / p) * (guide - bsdf) / mixture;
-        self.adam.step(gradient * a * (1.0 - a), lacking);
-    }
-
-    fn chances(&self) -> Chances {
-        Chances {
-            field: (self.adam.fraction() as f32).clamp(FLOOR, 1.0 - FLOOR),
-            light: self.light.chance(),
-        }
-    }
 }
 
 /// The probabilities of what a vertex does.
@@ -129,6 +77,8 @@ pub struct Fractions {
     cells: Vec<Habits>,
     /// What the cells come to, ready to be asked for.
     chances: Vec<Chances>,
+    /// Which lights to sample in each; empty until something was learned of that.
+    clusters: Vec<LightClusters>,
 }
 
 impl Fractions {
@@ -142,19 +92,25 @@ impl Fractions {
         Self {
             cells: vec![Habits::default(); field.cell_count() as usize],
             chances: (0..field.cell_count()).map(chances).collect(),
+            clusters: Vec::new(),
         }
     }
 
     /// Chances that know nothing of any scene, in all their range: no renderer may draw another
     /// mean with them.
     pub fn random(field: &impl Cells, seed: u64) -> Self {
-        Self::with(field, |cell| {
+        let chances = |cell| {
             let bits = hash64(seed ^ u64::from(cell));
             Chances {
                 field: FLOOR + (1.0 - 2.0 * FLOOR) * unit_f32(bits as u32),
                 light: LEAST_LIGHT + (1.0 - LEAST_LIGHT) * unit_f32((bits >> 32) as u32),
             }
-        })
+        };
+        let clusters = |cell| LightClusters::random(seed ^ u64::from(cell));
+        Self {
+            clusters: (0..field.cell_count()).map(clusters).collect(),
+            ..Self::with(field, chances)
+        }
     }
 
     /// The same, with the same share for the field everywhere, within [`FLOOR`] and 1 - [`FLOOR`].
@@ -176,14 +132,19 @@ impl Fractions {
         }
         let inherit = |&c: &usize| match parts[c] {
             1 => self.cells[c],
-            _ => Habits {
-                light: self.cells[c].light.of_part(),
-                ..self.cells[c]
-            },
+            _ => self.cells[c].of_part(),
+        };
+        let clusters = |&c: &usize| {
+            let clusters = self.clusters.get(c)?;
+            Some(match parts[c] {
+                1 => clusters.clone(),
+                _ => clusters.of_part(),
+            })
         };
         Self {
             cells: old.iter().map(inherit).collect(),
             chances: old.iter().map(|&c| self.chances[c]).collect(),
+            clusters: old.iter().filter_map(clusters).collect(),
         }
     }
 
@@ -195,19 +156,42 @@ impl Fractions {
         known.copied().unwrap_or(Chances::UNKNOWN)
     }
 
+    /// Factors for the clusters of the light tree in a cell, if anything was learned of them.
+    #[inline]
+    pub fn light_factors(&self, cell: u32) -> Option<&ClusterFactors> {
+        self.clusters.get(cell as usize)?.factors()
+    }
+
     /// The states of some cells.
-    pub(crate) fn of_cells(&self, cells: &[u32]) -> Vec<Habits> {
-        let state = |&c: &u32| self.cells.get(c as usize).copied().unwrap_or_default();
-        cells.iter().map(state).collect()
+    pub(crate) fn of_cells(&self, cells: &[u32]) -> CellStates {
+        let at = cells.iter().map(|&c| c as usize);
+        let habits = |c: usize| self.cells.get(c).copied().unwrap_or_default();
+        let clusters = |c: usize| self.clusters.get(c).cloned().unwrap_or_default();
+        CellStates {
+            habits: at.clone().map(habits).collect(),
+            clusters: at.map(clusters).collect(),
+        }
     }
 
     /// Sets them.
-    pub(crate) fn set_cells(&mut self, cells: &[u32], states: &[Habits]) {
-        for (&c, state) in cells.iter().zip(states) {
-            if let Some(cell) = self.cells.get_mut(c as usize) {
-                *cell = *state;
-                self.chances[c as usize] = state.chances();
+    pub(crate) fn set_cells(&mut self, cells: &[u32], states: &CellStates) {
+        let states = states.habits.iter().zip(&states.clusters);
+        for (&c, (habits, clusters)) in cells.iter().zip(states) {
+            let c = c as usize;
+            if c < self.cells.len() {
+                self.cells[c] = *habits;
+                self.chances[c] = habits.chances();
+                self.set_clusters(c, clusters.clone());
             }
+        }
+    }
+
+    fn set_clusters(&mut self, cell: usize, clusters: LightClusters) {
+        if self.clusters.is_empty() && clusters.factors().is_some() {
+            self.clusters = vec![LightClusters::default(); self.cells.len()];
+        }
+        if let Some(place) = self.clusters.get_mut(cell) {
+            *place = clusters;
         }
     }
 
@@ -229,18 +213,21 @@ impl Fractions {
         order.par_sort_unstable();
         let unit = typical(parts);
         let runs: Vec<&[u64]> = order.chunk_by(|a, b| a >> 32 == b >> 32).collect();
-        let learned: Vec<(usize, Habits)> = runs
+        let learned: Vec<(usize, Habits, LightClusters)> = runs
             .into_par_iter()
             .filter_map(|run| {
                 let cell = (run[0] >> 32) as usize;
                 let mut habits = *self.cells.get(cell)?;
                 let records = run.iter().map(|&o| batch.record(o as u32 as usize));
-                habits.learn(records, unit);
-                Some((cell, habits))
+                habits.learn(records.clone(), unit);
+                let mut clusters = self.clusters.get(cell).cloned().unwrap_or_default();
+                clusters.learn(records.map(|r| (r.light_choice, r.light)));
+                Some((cell, habits, clusters))
             })
             .collect();
-        for (cell, habits) in learned {
+        for (cell, habits, clusters) in learned {
             self.cells[cell] = habits;
+            self.set_clusters(cell, clusters);
         }
         for (chances, habits) in self.chances.iter_mut().zip(&self.cells) {
             *chances = habits.chances();

@@ -102,13 +102,14 @@
 //! * **Camera paths** ([`Trainer::train_paths`]) estimate the same F as the mean of radiance *
 //!   cosine / pdf over the vertices in r: no area is needed, vertices are counted instead. With
 //!   [`Source::Both`] the two estimates are averaged where a cell has 32 vertices.
-//! * **Light samples** are taken only as often as they bring light: [`Fractions`] learns that per
-//!   cell, beside the share of directions that the field draws.
+//! * **Light samples** are taken only as often as they bring light, and of the lamps that are seen
+//!   from the cell: [`Fractions`] learns that per cell, beside the share of directions that the
+//!   field draws.
 //!
 //! # Beside the tree
 //!
-//! * [`Fractions`] learns for each cell of R how often to sample the field instead of the BSDF, and
-//!   how often to sample a light.
+//! * [`Fractions`] learns for each cell of R how often to sample the field instead of the BSDF,
+//!   how often to sample a light, and which.
 //! * [`FieldFile`] keeps sums, not densities, so that a field can be trained further elsewhere, and
 //!   a [`SampleRanges`] of what it has learned from, so that nothing is counted twice; damaged and
 //!   foreign files are refused with a reason and a place.
@@ -133,10 +134,12 @@ mod fraction;
 mod freeze;
 mod gaussian;
 pub mod gmm;
+mod habits;
 mod importance;
 mod intake;
 mod levels;
 mod light_chance;
+mod light_clusters;
 mod link_index;
 mod links;
 mod merge;
@@ -162,6 +165,7 @@ pub use file::FieldFile;
 pub use fraction::{Chances, FLOOR, FractionRecord, Fractions};
 pub use levels::LevelShare;
 pub use light_chance::LEAST_LIGHT;
+pub use light_clusters::{LearnedSelection, LightChoice};
 pub use model::ModelKind;
 pub use query::{GuideSample, LocalField};
 pub use record::{PathSample, Photon, SurfacePoint};

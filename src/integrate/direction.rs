@@ -77,6 +77,7 @@ pub(super) fn record_departure(
         normal: vertex.point.facing(vertex.wo),
         arrival: *arrival,
         light_probability: single.map(GuidedVertex::light_probability),
+        light_choice: vertex.light_choice,
         direction,
     };
     observer.depart(path.accumulator, departure);

@@ -68,7 +68,11 @@ pub(super) fn emitted(
     let weight = if path.pdf.is_finite() {
         let (from, n) = (path.from, path.from_normal);
         let lights = &scene.lights;
-        let pdf = lights.pdf_area(from, n, emitter, point.prim, point.p, point.ng);
+        let selection = context
+            .guide
+            .and_then(|guide| guide.light_factors(path.light_cell));
+        let shape = (emitter, point.prim);
+        let pdf = lights.pdf_area((from, n), &selection, shape, (point.p, point.ng));
         power_heuristic(path.pdf, pdf * path.light_probability)
     } else {
         weight_after_delta(Shining::Shape(emitter))

@@ -9,11 +9,12 @@ use super::lobe_splitting::{self, Remainder};
 use super::manifold::{LastRoughVertex, receiver, sample_manifold};
 use super::next_event::{ShadowRay, sample_light};
 use super::observer::PathObserver;
-use super::path::{Arrival, FirstHit};
+use super::path::{Arrival, FirstHit, NO_CELL};
 use super::reuse::{Admission, PrefixPool};
 use super::splitting::SplitPaths;
 use super::vertex::Vertex;
 use crate::bsdf::{Bsdf, BsdfSample, DeltaSplit, Rest};
+use crate::guide::LightChoice;
 use crate::light::Shining;
 use crate::math::{Rgb, Vec3};
 use crate::texture::SurfacePoint;
@@ -109,11 +110,12 @@ fn scatter<'s>(
     path.base.throughput *= weight;
     path.reference_throughput *= weight;
     let (guided, delta) = query_field(context, point, bsdf, wo, path);
-    let vertex = Vertex {
+    let mut vertex = Vertex {
         point,
         bsdf,
         wo,
         guided: guided.as_ref(),
+        light_choice: LightChoice::NONE,
     };
     let [u0, u1, u2, u_lobe] = path.base.sampler.next4();
     let mut arrival = Arrival {
@@ -123,7 +125,20 @@ fn scatter<'s>(
 
     // ------------------------ Emitter sampling ------------------------
     let probability = guided.as_ref().map_or(1.0, GuidedVertex::light_probability);
-    let shadow = sample_light(context, &vertex, &mut path.base, probability, [u0, u1, u2]);
+    let mut selection = guided
+        .as_ref()
+        .map(GuidedVertex::light_selection)
+        .unwrap_or_default();
+    path.base.light_cell = guided.as_ref().map_or(NO_CELL, GuidedVertex::light_cell);
+    let shadow = sample_light(
+        context,
+        &vertex,
+        &mut path.base,
+        probability,
+        &mut selection,
+        [u0, u1, u2],
+    );
+    vertex.light_choice = selection.choice;
 
     // ---------------- Manifold next-event estimation ------------------
     let receiver = receiver(context, &vertex, path);

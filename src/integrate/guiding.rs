@@ -6,10 +6,15 @@
 //! shapes densities only: whatever it says, the expected image is the same.
 
 use super::manifold::ManifoldSampling;
+use super::path::NO_CELL;
 use crate::bsdf::{Bsdf, BsdfSample, LobeFlags, Rest, Transport};
 use crate::guide::gmm::{LocalMixture, Mixtures};
 use crate::guide::ppg::{LocalTree, SdTree};
-use crate::guide::{Cells, Chances, Field, FractionRecord, Fractions, GuideSample, LocalField};
+use crate::guide::{
+    Cells, Chances, Field, FractionRecord, Fractions, GuideSample, LearnedSelection, LightChoice,
+    LocalField,
+};
+use crate::light::ClusterFactors;
 use crate::math::rng::BELOW_ONE;
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::texture::SurfacePoint;
@@ -79,6 +84,16 @@ impl Local<'_> {
         }
     }
 
+    /// Its cell.
+    #[inline]
+    fn cell(&self) -> u32 {
+        match self {
+            Self::Double(field) => field.cell(),
+            Self::Gmm(_) => NO_CELL,
+            Self::Ppg(tree) => tree.cell(),
+        }
+    }
+
     #[inline]
     fn sample(&self, select: Vec2, u: Vec2) -> GuideSample {
         match self {
@@ -100,6 +115,8 @@ pub struct GuidedVertex<'a> {
     reflected: Option<Rgb>,
     /// The lobes that are sampled here: all, or all but a delta lobe.
     lobes: Rest,
+    /// The cell, and what it knows of the light tree's clusters.
+    lights: (u32, Option<&'a ClusterFactors>),
 }
 
 /// Whether a field could serve a material at all: some lobe is smooth and none too narrow.
@@ -188,6 +205,16 @@ impl<'a> Guidance<'a> {
         }
     }
 
+    /// What a cell has learned of the light tree's clusters; nothing of [`NO_CELL`].
+    #[inline]
+    pub fn light_factors(&self, cell: u32) -> Option<&'a ClusterFactors> {
+        match self {
+            Self::Double(guide) => guide.fractions.light_factors(cell),
+            Self::Ppg(guide) => guide.fractions.light_factors(cell),
+            Self::Gmm(_) => None,
+        }
+    }
+
     /// What the field says at a vertex, or nothing where it should not be asked: no smooth lobe, a
     /// lobe too narrow, no light known.
     #[inline]
@@ -210,12 +237,14 @@ impl<'a> Guidance<'a> {
                 (Local::Gmm(mixture), mixture.irradiance(), Chances::UNKNOWN)
             }
         };
+        let cell = local.cell();
         Some(GuidedVertex {
             local,
             chances,
             irradiance,
             reflected: None,
             lobes: Rest::ALL,
+            lights: (cell, self.light_factors(cell)),
         })
     }
 }
@@ -290,6 +319,21 @@ impl GuidedVertex<'_> {
     #[inline]
     pub fn light_probability(&self) -> f32 {
         self.chances.light
+    }
+
+    /// How to choose the light.
+    #[inline]
+    pub fn light_selection(&self) -> LearnedSelection<'_> {
+        LearnedSelection {
+            factors: self.lights.1,
+            choice: LightChoice::NONE,
+        }
+    }
+
+    /// The cell by which it is chosen: see [`Guidance::light_factors`].
+    #[inline]
+    pub fn light_cell(&self) -> u32 {
+        self.lights.0
     }
 
     /// Density of the field alone.

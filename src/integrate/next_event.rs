@@ -6,7 +6,7 @@ use super::path::Path;
 use super::vertex::Vertex;
 use crate::accel::Ray;
 use crate::bsdf::{LobeFlags, Transport};
-use crate::light::{Incoming, Lights};
+use crate::light::{Incoming, LightSelection, Lights};
 use crate::math::mis::power_heuristic;
 use crate::math::offset::gamma;
 use crate::math::rng::BELOW_ONE;
@@ -43,13 +43,15 @@ pub struct ShadowRay {
 }
 
 /// A shadow ray with the light it would bring, if there is one. A light is sampled with probability
-/// `probability`: a field leaves it out where it seldom brings anything. `u` are uniform numbers.
+/// `probability`: a field leaves it out where it seldom brings anything. Which one, `selection`
+/// says. `u` are uniform numbers.
 #[inline(always)]
 pub(super) fn sample_light(
     context: &PathContext,
     vertex: &Vertex,
     path: &mut Path,
     probability: f32,
+    selection: &mut impl LightSelection,
     mut u: [f32; 3],
 ) -> Option<(Ray, Offer)> {
     let PathContext {
@@ -70,7 +72,9 @@ pub(super) fn sample_light(
         }
         u[0] = (u[0] / probability).min(BELOW_ONE);
     }
-    let light = scene.lights.sample(point.p, path.from_normal, u)?;
+    let light = scene
+        .lights
+        .sample(point.p, path.from_normal, selection, u)?;
     if drops(settings, vertex, light.dir) {
         return None;
     }

@@ -2,6 +2,7 @@
 
 use super::manifold::ManifoldSample;
 use super::path::Arrival;
+use crate::guide::LightChoice;
 use crate::math::{Rgb, Vec3};
 
 /// Watches paths while they travel. `()` watches nothing and costs nothing.
@@ -49,6 +50,8 @@ pub struct Departure {
     /// The probability with which a light was sampled; `None` if no field was asked or the path was
     /// split.
     pub light_probability: Option<f32>,
+    /// Out of which clusters.
+    pub light_choice: LightChoice,
     /// Where it went; `None` if it ended here, by roulette or for want of a direction.
     pub direction: Option<SampledDirection>,
 }

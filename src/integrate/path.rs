@@ -4,6 +4,9 @@ use crate::camera::CameraRay;
 use crate::film::Features;
 use crate::math::{PathSampler, Rgb, Vec3};
 
+/// No cell of a field.
+pub const NO_CELL: u32 = u32::MAX;
+
 /// What a path carries from one vertex to the next.
 #[derive(Clone, Copy, Debug)]
 pub struct Path {
@@ -18,6 +21,8 @@ pub struct Path {
     pub from_normal: Vec3,
     /// The probability with which a light was sampled there: 1 unless a field chose it.
     pub light_probability: f32,
+    /// The field's cell there, by which the light was chosen; [`NO_CELL`] if it was not.
+    pub light_cell: u32,
     /// Product of relative indices of refraction.
     pub eta: f32,
     /// Edges so far.
@@ -43,6 +48,7 @@ impl Path {
             from: camera.ray.org,
             from_normal: Vec3::ZERO,
             light_probability: 1.0,
+            light_cell: NO_CELL,
             eta: 1.0,
             depth: 0,
             accumulator,

@@ -10,6 +10,7 @@ use super::roulette;
 use super::settings::PathSettings;
 use super::vertex::Vertex;
 use crate::bsdf::{BsdfSample, Transport};
+use crate::guide::LightChoice;
 use crate::light::Shining;
 use crate::math::{Rgb, Vec2};
 
@@ -47,6 +48,7 @@ impl<'s> Scatter<'s> for Plain {
             bsdf: at.bsdf,
             wo: at.wo,
             guided: None,
+            light_choice: LightChoice::NONE,
         };
         let arrival = Arrival {
             throughput: path.throughput,
@@ -56,7 +58,7 @@ impl<'s> Scatter<'s> for Plain {
 
         // ------------------------ Emitter sampling ------------------------
         let accumulator = path.accumulator;
-        let shadow = sample_light(context, &vertex, path, 1.0, [u0, u1, u2])
+        let shadow = sample_light(context, &vertex, path, 1.0, &mut (), [u0, u1, u2])
             .map(|(ray, offer)| (ray, ShadowRay { accumulator, offer }));
 
         // ----------------- BSDF sampling, Russian roulette -----------------

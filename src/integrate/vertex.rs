@@ -2,6 +2,7 @@
 
 use super::guiding::GuidedVertex;
 use crate::bsdf::Bsdf;
+use crate::guide::LightChoice;
 use crate::math::Vec3;
 use crate::texture::SurfacePoint;
 
@@ -13,4 +14,6 @@ pub(super) struct Vertex<'v, 's> {
     pub wo: Vec3,
     /// The field here, if one guides.
     pub guided: Option<&'v GuidedVertex<'s>>,
+    /// Out of which clusters the light was sampled.
+    pub light_choice: LightChoice,
 }

@@ -30,6 +30,7 @@ mod leaf;
 mod point;
 mod projector;
 mod quad;
+mod selection;
 mod sphere;
 mod spot;
 mod sun;
@@ -45,6 +46,7 @@ pub use caustic_emitter::{CausticEmitter, Shining};
 pub use description::{Emitter, EmitterShape, SunSky};
 pub use emission::Emission;
 pub use environment::EnvironmentImage;
+pub use selection::{CHILDREN, ClusterFactors, LightSelection};
 
 use area::{AreaEmitter, DARK};
 use distant::{Distant, Drawn};
@@ -116,10 +118,17 @@ const DISTANT_SHARE: [f32; 2] = [0.2, 0.8];
 
 impl Lights {
     /// Samples a direction towards light from the point `p`. `n` is the surface normal there (zero
-    /// where light from all sides counts). `u[0]` chooses the emitter, `u[1..3]` a point on it.
-    /// `None` where no light can arrive.
+    /// where light from all sides counts). `selection` is what is known beside the light tree: `()`
+    /// knows nothing. `u[0]` chooses the emitter, `u[1..3]` a point on it. `None` where no light
+    /// can arrive.
     #[inline(always)]
-    pub fn sample(&self, p: Vec3, n: Vec3, u: [f32; 3]) -> Option<LightSample> {
+    pub fn sample(
+        &self,
+        p: Vec3,
+        n: Vec3,
+        selection: &mut impl LightSelection,
+        u: [f32; 3],
+    ) -> Option<LightSample> {
         let place = Vec2::new(u[1], u[2]);
         let share = self.distant_share(p, n);
         let mut pick = u[0];
@@ -128,7 +137,7 @@ impl Lights {
             self.sample_distant(n, share, pick, place)
         } else {
             pick = (pick - share) / (1.0 - share);
-            self.sample_local(p, n, 1.0 - share, pick, place)
+            self.sample_local((p, n), selection, 1.0 - share, pick, place)
         }?;
         let above = n == Vec3::ZERO || sample.dir.dot(n) > 0.0;
         // A density may underflow: a light that is never drawn brings nothing, and 0 / 0 is no
@@ -189,14 +198,14 @@ impl Lights {
     #[inline(always)]
     fn sample_local(
         &self,
-        p: Vec3,
-        n: Vec3,
+        (p, n): (Vec3, Vec3),
+        selection: &mut impl LightSelection,
         share: f32,
         pick: f32,
         u: Vec2,
     ) -> Option<LightSample> {
         let local = self.local.as_ref()?;
-        let (index, probability) = local.choose(p, n, pick, u)?;
+        let (index, probability) = local.choose((p, n), selection, pick, u)?;
         let probability = probability * share;
         let (emitter, leaf) = &local.leaves[index];
         if let Some(incident) = leaf.sample(p, u) {
@@ -274,12 +283,10 @@ impl Lights {
     #[inline]
     pub fn pdf_area(
         &self,
-        p: Vec3,
-        n: Vec3,
-        emitter: EmitterId,
-        prim: u32,
-        q: Vec3,
-        ng: Vec3,
+        (p, n): (Vec3, Vec3),
+        selection: &impl LightSelection,
+        (emitter, prim): (EmitterId, u32),
+        (q, ng): (Vec3, Vec3),
     ) -> f32 {
         let (Some(local), Some(Some(area))) = (&self.local, self.areas.get(emitter as usize))
         else {
@@ -297,7 +304,7 @@ impl Lights {
             return 0.0;
         }
         let share = 1.0 - self.distant_share(p, n);
-        density * local.tree.probability(p, n, leaf) * share
+        density * local.tree.probability(p, n, selection, leaf) * share
     }
 
     /// Radiance arriving from outside the scene along the ray direction `dir` (the sum over maps,
@@ -377,14 +384,20 @@ impl Lights {
 impl Local {
     /// Chooses a leaf that may send light to `p`.
     #[inline]
-    fn choose(&self, p: Vec3, n: Vec3, pick: f32, u: Vec2) -> Option<(usize, f32)> {
+    fn choose(
+        &self,
+        (p, n): (Vec3, Vec3),
+        selection: &mut impl LightSelection,
+        pick: f32,
+        u: Vec2,
+    ) -> Option<(usize, f32)> {
         if self.leaves.len() == 1 {
             return Some((0, 1.0));
         }
         // 24 bits are too few to tell millions of lights apart: the others' hash extends them.
         let salt = u64::from(u.x.to_bits()) << 32 | u64::from(u.y.to_bits());
         let wide = crate::math::distribution::widen(pick, salt) >> 11;
-        self.tree
-            .sample(p, n, wide as f64 * (1.0 / (1u64 << 53) as f64))
+        let u = wide as f64 * (1.0 / (1u64 << 53) as f64);
+        self.tree.sample(p, n, selection, u)
     }
 }

@@ -7,6 +7,7 @@
 //! [`LightTree::probability`] walks from the leaf up.
 
 use super::cluster::{Cluster, Lanes, WIDTH};
+use super::selection::LightSelection;
 use crate::math::Vec3;
 
 /// Marks a child that is a leaf.
@@ -86,14 +87,22 @@ impl LightTree {
     /// Chooses a leaf by `u` in `[0, 1)`. Returns it with its probability; `None` if no light can
     /// arrive from the branch that was taken.
     #[inline]
-    pub fn sample(&self, p: Vec3, n: Vec3, u: f64) -> Option<(usize, f32)> {
+    pub fn sample(
+        &self,
+        p: Vec3,
+        n: Vec3,
+        selection: &mut impl LightSelection,
+        u: f64,
+    ) -> Option<(usize, f32)> {
         if self.nodes.is_empty() {
             return Some((0, 1.0));
         }
         let (mut at, mut u, mut probability) = (0usize, u, 1.0f32);
+        let mut number = Some(0);
         loop {
             let node = &self.nodes[at];
-            let importance = node.lanes.importance(p, n);
+            let prior = node.lanes.importance(p, n);
+            let importance = number.map_or(prior, |node| selection.weighed(node, prior));
             let sum = total(&importance);
             if sum <= 0.0 {
                 return None;
@@ -112,6 +121,11 @@ impl LightTree {
             let weight = importance[place];
             u = (rest / f64::from(weight)).min(1.0 - f64::EPSILON);
             probability *= weight / sum;
+            if let Some(node) = number {
+                let ratio = || (weight / sum) / (prior[place] / total(&prior));
+                selection.chosen(node, place, ratio);
+                number = (node == 0).then_some(1 + place);
+            }
             let next = node.children[place];
             if next & LEAF != 0 {
                 return Some(((next & !LEAF) as usize, probability));
@@ -122,16 +136,29 @@ impl LightTree {
 
     /// Probability with which [`LightTree::sample`] chooses `leaf`.
     #[inline]
-    pub fn probability(&self, p: Vec3, n: Vec3, leaf: usize) -> f32 {
+    pub fn probability(
+        &self,
+        p: Vec3,
+        n: Vec3,
+        selection: &impl LightSelection,
+        leaf: usize,
+    ) -> f32 {
         let (mut link, mut probability) = (self.above_leaf[leaf], 1.0f32);
         while link != NONE {
             let (at, place) = (link as usize / WIDTH, link as usize % WIDTH);
-            let importance = self.nodes[at].lanes.importance(p, n);
+            let prior = self.nodes[at].lanes.importance(p, n);
+            let above = self.above_node[at];
+            let number = match above {
+                NONE => Some(0),
+                _ if (above as usize) < WIDTH => Some(1 + above as usize),
+                _ => None,
+            };
+            let importance = number.map_or(prior, |node| selection.weighed(node, prior));
             if importance[place] <= 0.0 {
                 return 0.0;
             }
             probability *= importance[place] / total(&importance);
-            link = self.above_node[at];
+            link = above;
         }
         probability
     }

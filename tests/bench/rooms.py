@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Ten ordinary places, each as a Mitsuba XML file without meshes: what tests/bench/regret.py renders.
+"""Eleven ordinary places, each as a Mitsuba XML file without meshes: what tests/bench/regret.py renders.
 
 Windows, lamps, patches of sun, glossy floors, and places where next-event estimation finds all light by itself. None is
 a copy of anything.
@@ -103,6 +103,25 @@ def constant(rgb):
     return f'<emitter type="constant"><rgb name="radiance" value="{rgb}"/></emitter>'
 
 
+def storey(count, side):
+    """Square offices side by side, two lamps each, with doors between all of them."""
+    parts = [box((-0.1, -0.1, -0.1), (count * side + 0.1, 0, count * side + 0.1), plastic("0.3, 0.28, 0.26", 0.2)),
+             box((-0.1, 2.6, -0.1), (count * side + 0.1, 2.7, count * side + 0.1), WHITE)]
+    for i in range(count + 1):
+        at = i * side
+        inner = 0 < i < count
+        for j in range(count):
+            a, b = j * side, (j + 1) * side
+            door = a + 0.55 * side
+            for low, high in [(a, door), (door + 0.9, b)] if inner else [(a, b)]:
+                parts += [box((at - 0.05, 0, low), (at + 0.05, 2.6, high), WHITE),
+                          box((low, 0, at - 0.05), (high, 2.6, at + 0.05), RED if i % 2 else WHITE)]
+    middles = [(i + 0.5) * side for i in range(count)]
+    parts += [lamp((x + dx, 2.59, z), (0.3, 1.2), "14, 14, 14") for x in middles for z in middles for dx in (-0.8, 0.8)]
+    parts += [table((x - 0.8, z - 1.2), (1.6, 0.72, 0.8), DARK) for x in middles for z in middles]
+    return "\n".join(parts)
+
+
 ROOM = (5.0, 2.6, 6.0)
 EYE, AT = "4.4, 1.5, 5.6", "1.4, 0.8, 1.5"
 SOFA = box((1.6, 0, 0.3), (3.6, 0.42, 1.2), RED) + box((1.6, 0.42, 0.2), (3.6, 0.85, 0.45), RED)
@@ -131,6 +150,7 @@ PLACES = {
     "office": (EYE, AT, 65, [room(ROOM, plastic("0.25, 0.27, 0.3", 0.25), WHITE), CUPBOARD,
                              table((1.2, 1.5), (1.6, 0.72, 0.8), WHITE),
                              *[lamp((x, 2.59, z), (0.3, 1.2), "14, 14, 14") for x in (1.2, 2.5, 3.8) for z in (1.2, 3.0, 4.8)]]),
+    "storey": ("11.5, 1.6, 11.5", "9.4, 0.8, 7.0", 65, [storey(5, 4.0)]),
     "bathroom": (EYE, AT, 65, [room(ROOM, plastic("0.7, 0.7, 0.68", 0.05), plastic("0.6, 0.65, 0.7", 0.05)),
                                box((0.3, 0, 0.5), (1.1, 0.6, 2.3), plastic("0.85, 0.85, 0.85", 0.1)),
                                ball((2.4, 0.45, 1.4), 0.45, metal(0.1)), lamp((2.5, 2.55, 2.5), (0.8, 0.8), "22, 21, 19")]),

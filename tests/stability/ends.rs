@@ -135,10 +135,12 @@ fn s19_random_numbers_at_their_ends() {
             Vec3::new(0.0, 0.25, 0.25),
         ] {
             let lights = &built.scene.lights;
-            let fine = lights.sample(p, Vec3::ZERO, [a, b, c]).is_none_or(|l| {
-                let radiance = lights.radiance(&l.incoming);
-                radiance.is_finite() && l.pdf > 0.0 && l.dir.is_finite()
-            });
+            let fine = lights
+                .sample(p, Vec3::ZERO, &mut (), [a, b, c])
+                .is_none_or(|l| {
+                    let radiance = lights.radiance(&l.incoming);
+                    radiance.is_finite() && l.pdf > 0.0 && l.dir.is_finite()
+                });
             bad[1] += u32::from(!fine);
             let local = guide.field.at(p, Some(Vec3::Y), Rgb::ONE);
             let drawn = local.sample(Vec2::new(a, b), Vec2::new(c, d));

@@ -60,11 +60,16 @@ fn expect(what: &str, scene: &Scene, (from, to): (Vec3, Vec3), side: Seen, both_
     let (lights, emitter) = (&scene.lights, surface.emitter);
     let emitted = lights.emitted(emitter, &point, wo).max_element() > 0.0;
     assert_eq!(emitted, glows, "{what}: what is met");
-    let density = lights.pdf_area(from, Vec3::ZERO, emitter, point.prim, point.p, point.ng);
+    let density = lights.pdf_area(
+        (from, Vec3::ZERO),
+        &(),
+        (emitter, point.prim),
+        (point.p, point.ng),
+    );
     assert_eq!(density > 0.0, glows, "{what}: density");
     let mut rng = Pcg32::new(7, 1);
     let bright = (0..64).filter(|_| {
-        let sample = lights.sample(from, Vec3::ZERO, [(); 3].map(|()| rng.next_f32()));
+        let sample = lights.sample(from, Vec3::ZERO, &mut (), [(); 3].map(|()| rng.next_f32()));
         sample.is_some_and(|s| {
             let shadow = Ray {
                 tmax: s.distance * 0.999_99,

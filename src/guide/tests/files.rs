@@ -1,9 +1,10 @@
 //! Files: round trips, refusals, and garbage.
 
 use super::synthetic::{disk_light, unit_box};
+use crate::guide::habits::CellStates;
 use crate::guide::{
-    FieldFile, FractionRecord, Fractions, ModelKind, Numbers, Product, SampleRanges, Settings,
-    Trainer,
+    FieldFile, FractionRecord, Fractions, LightChoice, ModelKind, Numbers, Product, SampleRanges,
+    Settings, Trainer,
 };
 use crate::math::{Pcg32, Rgb, Vec2, Vec3};
 
@@ -151,8 +152,8 @@ fn kept(model: ModelKind) -> FieldFile {
     let field = trainer.freeze();
     let mut fractions = Fractions::new(&field);
     let mut rng = Pcg32::new(8, 9);
-    let records: Vec<FractionRecord> = (0..3000)
-        .map(|_| FractionRecord {
+    let records: Vec<FractionRecord> = (0..3000u32)
+        .map(|i| FractionRecord {
             position: Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32()),
             normal: Vec3::Z,
             value: Rgb::ONE,
@@ -161,6 +162,7 @@ fn kept(model: ModelKind) -> FieldFile {
             bsdf_pdf: rng.next_f32(),
             light: rng.next_f32(),
             light_probability: 1.0,
+            light_choice: LightChoice::of((i % 5) as u8, (i % 3) as u8),
             reflected: 1.0,
         })
         .collect();
@@ -185,14 +187,20 @@ fn fractions_and_ledger_come_back_whatever_the_order_of_cells() {
         let (other, others) = back.freeze();
         let mut rng = Pcg32::new(1, 1);
         let mut seen = std::collections::HashSet::new();
+        let mut known = 0;
         for _ in 0..2000 {
             let x = Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32());
-            let of = |f: &crate::guide::Field, s: &Fractions| s.chances(f.cell(x, Vec3::Z));
+            let of = |f: &crate::guide::Field, s: &Fractions| {
+                let cell = f.cell(x, Vec3::Z);
+                (s.chances(cell), s.light_factors(cell).copied())
+            };
             assert_eq!(of(&field, &fractions), of(&other, &others));
-            let chances = of(&field, &fractions);
+            let (chances, factors) = of(&field, &fractions);
             seen.insert([chances.field, chances.light].map(f32::to_bits));
+            known += usize::from(factors.is_some_and(|f| f[0].iter().any(|&f| f < 1.0)));
         }
         assert!(seen.len() > 3, "{model:?}: all the same");
+        assert!(known > 1000, "{model:?}: lamps are known at {known} points");
     }
 }
 
@@ -240,7 +248,7 @@ fn fields_with_common_records_are_not_added() {
     let error = base.clone().merge(&other).unwrap_err().to_string();
     assert!(error.contains("made up and made otherwise"), "{error}");
     let mut other = base.emptied();
-    other.fractions.clear();
+    other.fractions = CellStates::default();
     let error = base.clone().merge(&other).unwrap_err().to_string();
     assert!(error.contains("fractions"), "{error}");
 }

@@ -1,7 +1,7 @@
 //! Extremes: one point, far origins, wild powers, empty fields.
 
 use super::synthetic::{integral, point_light, square, unit_box};
-use crate::guide::{FractionRecord, Fractions, ModelKind, Photon, Settings, Trainer};
+use crate::guide::{FractionRecord, Fractions, LightChoice, ModelKind, Photon, Settings, Trainer};
 use crate::math::{Pcg32, Rgb, Vec2, Vec3};
 
 fn photon(position: Vec3, rng: &mut Pcg32) -> Photon {
@@ -222,6 +222,7 @@ fn fractions_learn_which_strategy_pays() {
         bsdf_pdf,
         light: 0.0,
         light_probability: 1.0,
+        light_choice: LightChoice::NONE,
         reflected: 1.0,
     };
     let mut records = Vec::new();

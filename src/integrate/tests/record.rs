@@ -1,5 +1,6 @@
 //! Training samples from paths whose light is made up.
 
+use crate::guide::LightChoice;
 use crate::integrate::observer::{Departure, PathObserver, SampledDirection};
 use crate::integrate::path::Arrival;
 use crate::integrate::training::record::{PathRecords, TrainingSamples};
@@ -30,6 +31,7 @@ fn departure(x: f32, onward: Option<SampledDirection>) -> Departure {
             radiance: Rgb::ZERO,
         },
         light_probability: None,
+        light_choice: LightChoice::NONE,
         direction: onward,
     }
 }

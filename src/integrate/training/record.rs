@@ -117,6 +117,7 @@ impl TrainingSamples {
             normal,
             arrival,
             light_probability,
+            light_choice,
             direction,
         } = record.departure;
         // What a light sample and the way on brought, relative to the throughput.
@@ -131,6 +132,7 @@ impl TrainingSamples {
             bsdf_pdf: 0.0,
             light: record.light.element_sum() / whole,
             light_probability,
+            light_choice,
             reflected,
         });
         let Some(on) = direction else {

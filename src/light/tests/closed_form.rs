@@ -11,7 +11,7 @@ fn irradiance(lights: &Lights, p: Vec3, n: Vec3, draws: usize) -> (f64, f64) {
     let (mut sum, mut squares) = (0.0, 0.0);
     for _ in 0..draws {
         let u = [(); 3].map(|()| rng.next_f32());
-        let value = lights.sample(p, n, u).map_or(0.0, |s| {
+        let value = lights.sample(p, n, &mut (), u).map_or(0.0, |s| {
             f64::from(lights.radiance(&s.incoming).x * s.dir.dot(n).max(0.0) / s.pdf)
         });
         sum += value;
@@ -172,7 +172,12 @@ fn nothing_comes_from_what_cannot_shine() {
         let u = [(); 5].map(|()| rng.next_f32());
         assert!(
             s.lights
-                .sample(Vec3::new(0.3, 0.4, 2.0), Vec3::ZERO, [u[0], u[1], u[2]])
+                .sample(
+                    Vec3::new(0.3, 0.4, 2.0),
+                    Vec3::ZERO,
+                    &mut (),
+                    [u[0], u[1], u[2]]
+                )
                 .is_none()
         );
         assert!(s.lights.emit(u).is_none());
@@ -205,8 +210,14 @@ fn extreme_radiances_scale_and_extreme_random_numbers_hold() {
         for u0 in [0.0, 0.3, 0.9, top] {
             for u1 in [0.0, 0.5, top] {
                 for u2 in [0.0, 0.5, top] {
-                    let a = base.lights.sample(p, Vec3::NEG_Z, [u0, u1, u2]).unwrap();
-                    let b = s.lights.sample(p, Vec3::NEG_Z, [u0, u1, u2]).unwrap();
+                    let a = base
+                        .lights
+                        .sample(p, Vec3::NEG_Z, &mut (), [u0, u1, u2])
+                        .unwrap();
+                    let b = s
+                        .lights
+                        .sample(p, Vec3::NEG_Z, &mut (), [u0, u1, u2])
+                        .unwrap();
                     assert!(a.dir.is_finite() && (a.dir.length() - 1.0).abs() < 1e-5);
                     assert!((a.pdf / b.pdf - 1.0).abs() < 1e-5, "{a:?} {b:?}");
                     let a_radiance = base.lights.radiance(&a.incoming).x;

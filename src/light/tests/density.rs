@@ -65,7 +65,7 @@ fn check(name: &str, setup: &Setup, p: Vec3, n: Vec3) {
     let mut lost = 0;
     for _ in 0..DRAWS {
         let u = [(); 3].map(|()| rng.next_f32());
-        let Some(s) = setup.lights.sample(p, n, u).filter(|s| !s.delta) else {
+        let Some(s) = setup.lights.sample(p, n, &mut (), u).filter(|s| !s.delta) else {
             lost += 1;
             continue;
         };
@@ -117,7 +117,9 @@ fn same_density(name: &str, setup: &Setup, p: Vec3, n: Vec3, s: &LightSample) {
     }
     let (pdf, grazing) = match met {
         Some(m) => (
-            setup.lights.pdf_area(p, n, m.emitter, m.prim, m.q, m.ng),
+            setup
+                .lights
+                .pdf_area((p, n), &(), (m.emitter, m.prim), (m.q, m.ng)),
             -m.ng.dot(s.dir),
         ),
         None => (setup.lights.environment_pdf(p, n, s.dir).1, 1.0),

@@ -155,7 +155,7 @@ fn compare_flux(name: &str, s: &Setup, p: Vec3, n: Vec3) {
         let [a, b, c, d, e] = numbers(&mut rng);
         let at = crate::math::warp::concentric_disk(Vec2::new(d, e)) * radius;
         let q = p + frame.to_world(at.extend(0.0));
-        if let Some(l) = s.lights.sample(q, n, [a, b, c]) {
+        if let Some(l) = s.lights.sample(q, n, &mut (), [a, b, c]) {
             sum += f64::from(s.lights.radiance(&l.incoming).y * l.dir.dot(n).max(0.0) / l.pdf);
         }
     }

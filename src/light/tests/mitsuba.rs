@@ -74,7 +74,7 @@ fn environment_samples() {
     let (mut sum, draws) = (0.0, 100_000);
     for _ in 0..draws {
         let u = [(); 3].map(|()| rng.next_f32());
-        let s = lights.sample(Vec3::ZERO, Vec3::ZERO, u).unwrap();
+        let s = lights.sample(Vec3::ZERO, Vec3::ZERO, &mut (), u).unwrap();
         let pdf = lights.environment_pdf(Vec3::ZERO, Vec3::ZERO, s.dir).1;
         assert!((pdf / s.pdf - 1.0).abs() < 2e-3, "{s:?} {pdf}");
         let radiance = lights.environment(s.dir);
@@ -98,7 +98,7 @@ fn compare(name: &str, emitter: Emitter) {
     for v in lines(name) {
         let (p, expected) = (vec3(&v), vec3(&v[3..]));
         let got = lights
-            .sample(p, Vec3::ZERO, [0.5; 3])
+            .sample(p, Vec3::ZERO, &mut (), [0.5; 3])
             .map_or(Rgb::ZERO, |s| lights.radiance(&s.incoming) / s.pdf);
         lit += usize::from(got != Rgb::ZERO);
         assert!(
@@ -179,7 +179,7 @@ fn texels_that_are_no_light() {
     let mut rng = Pcg32::new(2, 2);
     for _ in 0..20_000 {
         let u = [(); 3].map(|()| rng.next_f32());
-        let s = lights.sample(Vec3::ZERO, Vec3::ZERO, u).unwrap();
+        let s = lights.sample(Vec3::ZERO, Vec3::ZERO, &mut (), u).unwrap();
         assert!(s.pdf > 0.0 && s.pdf.is_finite());
         let radiance = lights.radiance(&s.incoming);
         assert!(radiance.cmpge(Rgb::ZERO).all() && radiance.max_element() <= 0.5);
@@ -249,7 +249,7 @@ fn ends_of_the_random_numbers() {
     for a in ends {
         for b in ends {
             for c in ends {
-                let s = lights.sample(Vec3::ZERO, Vec3::ZERO, [a, b, c]);
+                let s = lights.sample(Vec3::ZERO, Vec3::ZERO, &mut (), [a, b, c]);
                 // At the poles the density is a ratio of zeros: such a sample may be refused.
                 let Some(s) = s else { continue };
                 assert!(s.dir.is_finite() && (s.dir.length() - 1.0).abs() < 1e-5);

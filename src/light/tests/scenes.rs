@@ -100,7 +100,10 @@ impl Setup {
 
     /// Density of the light sampling in a direction, whatever it is blocked by.
     pub fn pdf(&self, p: Vec3, n: Vec3, dir: Vec3) -> f32 {
-        let area = |m: &Met| self.lights.pdf_area(p, n, m.emitter, m.prim, m.q, m.ng);
+        let area = |m: &Met| {
+            self.lights
+                .pdf_area((p, n), &(), (m.emitter, m.prim), (m.q, m.ng))
+        };
         let near: f32 = self.crossings(p, dir).iter().map(area).sum();
         near + self.lights.environment_pdf(p, n, dir).1
     }

@@ -76,7 +76,7 @@ fn a_sun_of_any_size_has_the_same_power() {
         let mut sum = 0.0;
         for _ in 0..20_000 {
             let u = [(); 3].map(|()| rng.next_f32());
-            let s = lights.sample(Vec3::ZERO, Vec3::Z, u).unwrap();
+            let s = lights.sample(Vec3::ZERO, Vec3::Z, &mut (), u).unwrap();
             sum += f64::from(lights.radiance(&s.incoming).y / s.pdf * s.dir.z);
         }
         sum / 20_000.0

@@ -21,7 +21,7 @@ fn compare(name: &str, s: &Setup, uv: impl Fn(Vec3) -> Vec2) {
     let (mut same, mut bright) = (0, 0);
     for _ in 0..2000 {
         let u = [(); 3].map(|()| rng.next_f32());
-        let Some(l) = s.lights.sample(p, Vec3::ZERO, u) else {
+        let Some(l) = s.lights.sample(p, Vec3::ZERO, &mut (), u) else {
             continue;
         };
         let q = p + l.dir * l.distance;

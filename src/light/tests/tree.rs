@@ -70,7 +70,7 @@ fn ten_thousand_triangles_add_up() {
         let draws = 100_000;
         let (mean, variance) = estimate(draws, |rng| {
             let u = [(); 3].map(|()| rng.next_f32());
-            s.lights.sample(p, n, u).map_or(0.0, |l| {
+            s.lights.sample(p, n, &mut (), u).map_or(0.0, |l| {
                 f64::from(luminance(s.lights.radiance(&l.incoming)) * l.dir.dot(n).max(0.0) / l.pdf)
             })
         });
@@ -110,6 +110,13 @@ fn ten_thousand_triangles_add_up() {
 /// The probabilities of all leaves sum to what is drawn, and each is what sampling reports.
 #[test]
 fn probabilities_of_leaves() {
+    probabilities_by(None);
+    let mut rng = Pcg32::new(4, 8);
+    let factors = [[(); CHILDREN]; 1 + CHILDREN].map(|node| node.map(|()| 0.05 + rng.next_f32()));
+    probabilities_by(Some(&factors));
+}
+
+fn probabilities_by(mut selection: Option<&ClusterFactors>) {
     let s = many(300);
     let local = s.lights.local.as_ref().unwrap();
     let (tree, leaves) = (&local.tree, local.leaves.len());
@@ -117,12 +124,14 @@ fn probabilities_of_leaves() {
     for p in [Vec3::ZERO, Vec3::new(4.0, 1.0, 0.0)] {
         for n in [Vec3::ZERO, Vec3::Y] {
             let sum: f64 = (0..leaves)
-                .map(|i| f64::from(tree.probability(p, n, i)))
+                .map(|i| f64::from(tree.probability(p, n, &selection, i)))
                 .sum();
             let (mut drawn, draws) = (0, 20_000);
             for _ in 0..draws {
-                if let Some((leaf, probability)) = tree.sample(p, n, f64::from(rng.next_f32())) {
-                    let again = tree.probability(p, n, leaf);
+                if let Some((leaf, probability)) =
+                    tree.sample(p, n, &mut selection, f64::from(rng.next_f32()))
+                {
+                    let again = tree.probability(p, n, &selection, leaf);
                     assert!(probability > 0.0 && (again / probability - 1.0).abs() < 1e-5);
                     drawn += 1;
                 }
@@ -153,7 +162,10 @@ fn groups_never_hide_a_light() {
                 .sample(p, Vec2::new(0.4, 0.6))
                 .is_some_and(|l| l.dir.dot(n) > 1e-3);
             if shines {
-                assert!(local.tree.probability(p, n, i) > 0.0, "leaf {i} at {p}");
+                assert!(
+                    local.tree.probability(p, n, &(), i) > 0.0,
+                    "leaf {i} at {p}"
+                );
                 checked += 1;
             }
         }
@@ -173,7 +185,7 @@ fn degenerate_arrangements_build() {
         let tree = LightTree::build(&clusters).unwrap();
         let p = Vec3::new(0.1, 5.0, 0.2);
         let sum: f32 = (0..clusters.len())
-            .map(|i| tree.probability(p, Vec3::ZERO, i))
+            .map(|i| tree.probability(p, Vec3::ZERO, &(), i))
             .sum();
         assert!((sum - 1.0).abs() < 1e-3, "{sum}");
     }
