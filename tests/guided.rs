@@ -9,7 +9,6 @@ use twintree::film::Film;
 use twintree::guide::gmm::Mixtures;
 use twintree::guide::ppg::{self, PpgTrainer, Target};
 use twintree::guide::{Field, ModelKind};
-use twintree::integrate::PathSettings;
 use twintree::integrate::guiding::Guide;
 use twintree::integrate::progress::{Limits, Spent};
 use twintree::integrate::render::resume;
@@ -17,6 +16,7 @@ use twintree::integrate::training::mixtures::{self, learn_mixtures};
 use twintree::integrate::training::{
     LearnSettings, Learned, Learner, garbage, garbage_sd_tree, learn,
 };
+use twintree::integrate::{PathSettings, View};
 use twintree::light::{CHILDREN, Emitter};
 use twintree::math::{Affine3A, Rgb, Vec3};
 
@@ -24,12 +24,11 @@ use twintree::math::{Affine3A, Rgb, Vec3};
 /// varnished one: light arrives indirectly, off rough metal, focused through glass, and mirrored by
 /// what is also matt.
 fn room() -> Built {
-    let mut maker = SceneMaker::new(
-        Vec3::new(0.0, 0.0, -0.9),
-        Vec3::new(0.0, -0.2, 1.0),
-        70.0,
-        32,
-    );
+    room_seen(Vec3::new(0.0, 0.0, -0.9), Vec3::new(0.0, -0.2, 1.0))
+}
+
+fn room_seen(eye: Vec3, target: Vec3) -> Built {
+    let mut maker = SceneMaker::new(eye, target, 70.0, 32);
     let wall = maker.diffuse(0.6);
     maker.shape(inside_of_cube(1.0), wall, None, false);
     let metal = maker.material(RoughConductor {
@@ -126,6 +125,27 @@ fn agree(what: &str, a: &Film, b: &Film) {
     assert!(
         error < 0.004 * mean,
         "{what}: too noisy to see one per cent"
+    );
+}
+
+/// A sequence carries the field from frame to frame.
+#[test]
+fn a_field_that_another_view_has_taught_gives_the_unguided_mean() {
+    let here = room();
+    let mut path = twelve();
+    let (plain, _) = here.render(&path, 512);
+    path.seed = 2;
+    let there = room_seen(Vec3::new(0.3, 0.2, 0.9), Vec3::new(-0.3, -0.4, -1.0));
+    let view = there.view(&path, None);
+    let mut learner = Learner::new(&view, &how(20_000, 1 << 30)).expect("a field is learned");
+    render_by_learner(&view, &mut learner, 64);
+    path.seed = 3;
+    let view = here.view(&path, None);
+    let mut learner = learner.moved(&view, &how(20_000, 1 << 30));
+    agree(
+        "moved",
+        &render_by_learner(&view, &mut learner, 256),
+        &plain,
     );
 }
 
@@ -233,15 +253,20 @@ fn render_by_sd_tree(room: &Built, path: &PathSettings, spp: u64, target: Target
         ..how(0, 1 << 30)
     };
     let mut learner = Learner::ppg(&view, &settings, target).expect("bounds");
-    let mut film = Film::new(&room.film);
+    let film = render_by_learner(&view, &mut learner, spp);
+    (film, learner.stats().space_cells)
+}
+
+fn render_by_learner(view: &View, learner: &mut Learner, spp: u64) -> Film {
+    let mut film = Film::new(view.film);
     let limits = Limits {
         spp,
         time: None,
         noise: None,
     };
-    let (learns, spent) = (Some(&mut learner), Spent::default());
-    resume(&view, learns, &mut film, &limits, spent, &Silent);
-    (film, learner.stats().space_cells)
+    let spent = Spent::default();
+    resume(view, Some(learner), &mut film, &limits, spent, &Silent);
+    film
 }
 
 #[test]

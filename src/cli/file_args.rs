@@ -9,7 +9,7 @@ use clap::Args;
 use std::path::PathBuf;
 
 /// What is written, and how.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Output")]
 pub struct FileArgs {
     /// Image to write; the name's end says how: .exr .hdr .tif .png .jpg. Can be given often
@@ -56,7 +56,7 @@ impl FileArgs {
 }
 
 /// Where the denoiser is.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub struct OidnArgs {
     /// Where Open Image Denoise 2 is: its library, or a folder of a release or of Python's pyoidn
     /// [default: TWINTREE_OIDN, what the system has, Python's environment]
@@ -65,7 +65,7 @@ pub struct OidnArgs {
 }
 
 /// How an EXR is written. Large ones are written in tiles.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub struct ExrArgs {
     /// Numbers of an EXR: 16 or 32 bits
     #[arg(long, value_name = "TYPE", default_value = "half", value_parser = NUMBERS)]
@@ -76,7 +76,7 @@ pub struct ExrArgs {
 }
 
 /// How light is shown.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub struct ViewArgs {
     /// How .png and .jpg show light, which has no upper limit as they have
     #[arg(long, value_name = "NAME", default_value = "srgb", value_parser = VIEWS)]

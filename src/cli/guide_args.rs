@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 /// How directions are guided.
-#[derive(Args, Debug, Serialize)]
+#[derive(Args, Clone, Debug, Serialize)]
 #[command(next_help_heading = "Guiding")]
 pub struct GuideArgs {
     /// How directions are guided towards light [default: auto; with --field double, with --shard
@@ -45,7 +45,7 @@ impl GuideArgs {
 }
 
 /// What is done where a field guides.
-#[derive(Args, Debug, Serialize)]
+#[derive(Args, Clone, Debug, Serialize)]
 #[command(next_help_heading = "Guiding, for research")]
 pub struct GuidedArgs {
     /// Share of the directions that come from the field, 0.1 to 0.9, the others from the material;
@@ -92,7 +92,7 @@ pub enum When {
 }
 
 /// How a field is learned.
-#[derive(Args, Debug, Serialize)]
+#[derive(Args, Clone, Debug, Serialize)]
 pub struct LearnArgs {
     /// Photon paths that teach the field [default: as many as the image is worth, while they teach
     /// anything; with "twintree train" 500 000; with --guide gmm 9 million]

@@ -154,14 +154,14 @@ pub fn decide(args: &GuideArgs, view: &View, limits: &Limits) -> Way {
     }
 }
 
-/// Prepares guiding, if it is wanted: by the field of a file, or by a new one. `way` is what was
-/// decided.
+/// Prepares guiding, if it is wanted: by the field of a file, by one that was learned for another
+/// view of the scene, or by a new one. `way` is what was decided.
 ///
 /// # Errors
 /// When there is nothing to learn from.
 pub fn guiding(
     (args, way): (&GuideArgs, Way),
-    opened: Option<Opened>,
+    (opened, before): (Option<Opened>, Option<Learner>),
     view: &View,
     limits: &Limits,
 ) -> Result<Guiding, Failure> {
@@ -212,7 +212,20 @@ pub fn guiding(
             };
             sd_tree(view, &settings)
         }
-        _ => double(view, &settings),
+        _ => match before {
+            Some(learner) => Ok(go_on(learner, view, &settings)),
+            None => double(view, &settings),
+        },
+    }
+}
+
+/// Goes on with what was learned for another view of the scene.
+fn go_on(learner: Learner, view: &View, settings: &LearnSettings) -> Guiding {
+    let learner = learner.moved(view, settings);
+    tracing::info!("guided by what the frames before have taught");
+    Guiding {
+        learner: Some(learner),
+        ..Guiding::default()
     }
 }
 

@@ -7,7 +7,7 @@ use serde::Serialize;
 use std::str::FromStr;
 
 /// Light transport and its random numbers.
-#[derive(Args, Debug, Serialize)]
+#[derive(Args, Clone, Debug, Serialize)]
 #[command(next_help_heading = "Light transport")]
 pub struct LightArgs {
     /// Longest path, in edges: 1 is emitters alone, 2 adds direct light; or "unlimited" [default:

@@ -10,7 +10,7 @@ use crate::image::foreign;
 use crate::light::{Emitter, EnvironmentImage, Lights};
 use crate::report::totals::{TextureTotals, triangles};
 use crate::report::words;
-use crate::scene::fingerprint::fingerprint;
+use crate::scene::fingerprint::{fingerprint, world_fingerprint};
 use crate::scene::import::default_scene::{Sky, Studio};
 use crate::scene::import::models::{self, ModelKind, ModelOptions, ModelSource};
 use crate::scene::import::{ImportOptions, mitsuba};
@@ -60,6 +60,15 @@ impl Loaded {
     /// When a file that the scene names cannot be read.
     pub fn fingerprint(&self) -> Result<u64, Failure> {
         fingerprint(&self.description, &self.textures.bitmaps())
+            .map_err(|e| Failure::Wrong(format!("an image of the scene cannot be read: {e}")))
+    }
+
+    /// The same, whatever the camera.
+    ///
+    /// # Errors
+    /// As [`Loaded::fingerprint`].
+    pub fn world_fingerprint(&self) -> Result<u64, Failure> {
+        world_fingerprint(&self.description, &self.textures.bitmaps())
             .map_err(|e| Failure::Wrong(format!("an image of the scene cannot be read: {e}")))
     }
 

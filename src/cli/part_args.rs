@@ -6,7 +6,7 @@ use clap::Args;
 use std::time::Duration;
 
 /// Rendering in parts and in several goes.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Parts and checkpoints")]
 pub struct PartArgs {
     /// Render a share of the image, 0/4 to 3/4, into a part file for "twintree merge"

@@ -8,7 +8,7 @@ use serde::Serialize;
 use std::str::FromStr;
 
 /// Size and filter of the picture.
-#[derive(Args, Debug, Serialize)]
+#[derive(Args, Clone, Debug, Serialize)]
 #[command(next_help_heading = "Picture")]
 pub struct PictureArgs {
     /// Size.

@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 /// The ray tracer, and how it is built. What it comes to is known once it is built.
-#[derive(Args, Debug, Default, Serialize)]
+#[derive(Args, Clone, Debug, Default, Serialize)]
 #[command(next_help_heading = "Machine")]
 pub struct RayArgs {
     /// Ray tracer [default: embree, where it was compiled in]

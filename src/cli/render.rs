@@ -1,5 +1,6 @@
 //! `twintree render`: from a scene file to an image file.
 
+use super::carried::Carried;
 use super::checkpoint::Checkpoint;
 use super::console::Console;
 use super::denoising::Denoising;
@@ -13,7 +14,7 @@ use super::preview::{Preview, Tev};
 use super::progress::Watch;
 use super::render_args::RenderArgs;
 use super::waiting::Waiting;
-use super::{Failure, invalid, learning, settings, threads, view};
+use super::{Failure, frames, invalid, learning, settings, threads, view};
 use crate::camera::Camera;
 use crate::film::Film;
 use crate::integrate::View;
@@ -53,6 +54,24 @@ pub fn run(args: &RenderArgs, console: &Console, interrupt: &Interrupt) -> Resul
     if let Some(pixel) = args.doubt.pixel {
         return super::single::run(args, pixel);
     }
+    if let Some(list) = &args.frames {
+        let mut carried = Carried::wanted();
+        let each = |one: &RenderArgs| render(one, console, interrupt, &mut carried);
+        return frames::run(args, list, interrupt, each);
+    }
+    render(args, console, interrupt, &mut Carried::default())
+}
+
+/// Renders one image and writes it.
+///
+/// # Errors
+/// As [`run`].
+fn render(
+    args: &RenderArgs,
+    console: &Console,
+    interrupt: &Interrupt,
+    carried: &mut Carried,
+) -> Result<(), Failure> {
     let input = Input::of(&args.scene)?;
     let outputs = Outputs::of_render(args, &input)?;
     let denoising = match args.parts.shard {
@@ -72,7 +91,10 @@ pub fn run(args: &RenderArgs, console: &Console, interrupt: &Interrupt) -> Resul
     if let (Some(field), Some(scene)) = (&field, fingerprint) {
         field.check(scene)?;
     }
-    let scene = timed(&mut times.build, || loaded.build(&args.rays))?;
+    let (scene, before_learner) = match carried.take(&loaded)? {
+        Some(known) => known,
+        None => (timed(&mut times.build, || loaded.build(&args.rays))?, None),
+    };
     let description = &loaded.description;
     let (width, height) = (description.film.width, description.film.height);
     let guided = settings::guided_settings(&args.guide.guided);
@@ -104,7 +126,7 @@ pub fn run(args: &RenderArgs, console: &Console, interrupt: &Interrupt) -> Resul
     };
     let waiting = Waiting::for_learning(console, args.guide.learn.photons);
     let mut guiding = timed(&mut times.train, || {
-        learning::guiding((&args.guide, way), field, &plain, &limits)
+        learning::guiding((&args.guide, way), (field, before_learner), &plain, &limits)
     })?;
     drop(waiting);
     let photons = guiding.elapsed();
@@ -158,11 +180,16 @@ pub fn run(args: &RenderArgs, console: &Console, interrupt: &Interrupt) -> Resul
         tracing::info!("{sentence}");
     }
     invalid::warn(&film);
+    if args.frames.is_some() && summary.stopped_by == StoppedBy::Interrupt {
+        return Err(frames::leave_out(&outputs));
+    }
     done.write(&film, &summary, &mut stats)?;
     let left_out = invalid::LeftOut {
         samples: stats.invalid_samples,
-        photons: guiding.learner.map_or(0, |l| l.counts().invalid),
+        photons: guiding.learner.as_ref().map_or(0, |l| l.counts().invalid),
     };
+    let learner = guiding.learner.take();
+    carried.keep(scene, learner);
     invalid::check(args, left_out)
 }
 

@@ -4,6 +4,7 @@
 //! says that it shapes no pixel, or does so through the scene, whose fingerprint has all of it.
 
 use super::file_args::FileArgs;
+use super::frame_list::FrameList;
 use super::guide_args::GuideArgs;
 use super::light_args::LightArgs;
 use super::part_args::PartArgs;
@@ -20,7 +21,7 @@ use std::str::FromStr;
 use std::time::Duration;
 
 /// Arguments of `twintree render`.
-#[derive(Args, Debug, Serialize)]
+#[derive(Args, Clone, Debug, Serialize)]
 pub struct RenderArgs {
     /// Files.
     #[command(flatten)]
@@ -43,6 +44,14 @@ pub struct RenderArgs {
     #[command(flatten)]
     #[serde(skip)]
     pub parts: PartArgs,
+    /// Render a sequence: 1-48, 1-48x2 for every second, or 1,5,10-20. In names (-o, --stats, the
+    /// scene's) and in values of -D, #### stands for the frame's number; a single scene file gets it
+    /// as $frame. Where only the camera moves, the field is carried on. With --resume, frames whose
+    /// images are there are left out
+    #[arg(long, value_name = "LIST", help_heading = "Sequence",
+          conflicts_with_all = ["shard", "checkpoint", "pixel", "reference"])]
+    #[serde(skip)]
+    pub frames: Option<FrameList>,
     /// Scene.
     #[command(flatten)]
     #[serde(flatten)]
@@ -74,7 +83,7 @@ pub struct RenderArgs {
 }
 
 /// When to stop: whichever comes first.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Stop at whichever comes first")]
 pub struct StopArgs {
     /// Settings for a purpose: when to stop, and how long to learn; options that are given besides
@@ -105,7 +114,7 @@ pub enum Preset {
 }
 
 /// Samples that went wrong.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Doubt")]
 pub struct DoubtArgs {
     /// End with exit code 3 if a sample or a photon was not finite and had to be left out; the

@@ -45,7 +45,7 @@ pub fn run(args: &RenderArgs, PixelSample { pixel, sample }: PixelSample) -> Res
         guide: None,
     };
     let way = learning::decide(&args.guide, &plain, &limits);
-    let mut guiding = learning::guiding((&args.guide, way), field, &plain, &limits)?;
+    let mut guiding = learning::guiding((&args.guide, way), (field, None), &plain, &limits)?;
     let path = match &mut guiding.learner {
         Some(learner) => train_until(&plain, learner, limits.spp, pixel, sample),
         None => PathNumber::plain(sample),

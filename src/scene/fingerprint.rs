@@ -8,6 +8,7 @@
 //! the disk.
 
 use super::description::{Description, Geometry, Mesh, Shape};
+use crate::camera::CameraDescription;
 use crate::light::Emitter;
 use crate::texture::Bitmap;
 use rayon::prelude::*;
@@ -23,10 +24,26 @@ use xxhash_rust::xxh3::Xxh3;
 /// # Errors
 /// When the file of an environment map cannot be read.
 pub fn fingerprint(scene: &Description, textures: &[Arc<Bitmap>]) -> io::Result<u64> {
+    print(scene, textures, Some(&scene.camera))
+}
+
+/// The same of all but the camera: whether a scene can be rendered again from another place.
+///
+/// # Errors
+/// As [`fingerprint`].
+pub fn world_fingerprint(scene: &Description, textures: &[Arc<Bitmap>]) -> io::Result<u64> {
+    print(scene, textures, None)
+}
+
+fn print(
+    scene: &Description,
+    textures: &[Arc<Bitmap>],
+    camera: Option<&CameraDescription>,
+) -> io::Result<u64> {
     let mut print = Print(Xxh3::new());
     print.text(format_args!(
-        "{} groups {:?} {:?}",
-        scene.groups, scene.instances, scene.camera
+        "{} groups {:?} {camera:?}",
+        scene.groups, scene.instances
     ));
     for shape in &scene.shapes {
         print.shape(shape);

@@ -8,6 +8,7 @@ mod endless;
 mod errors;
 mod farming;
 mod fields;
+mod frames;
 mod generated;
 mod guiding;
 mod importing;

@@ -119,6 +119,23 @@ impl Learner {
         })
     }
 
+    /// Goes on in another view of the same scene: by what is known already, which the paths of
+    /// this view teach further. The seed must be another one: what guides a sample must not have
+    /// been learned from it.
+    pub fn moved(mut self, view: &View, settings: &LearnSettings) -> Self {
+        let start = Instant::now();
+        let look = importance::look(view, settings.photons);
+        self.method.look_anew(&look);
+        Self {
+            effort: Effort::new(settings.photons, &look),
+            peak: self.method.bytes(),
+            settings: settings.clone(),
+            taught: 0,
+            elapsed: start.elapsed(),
+            ..self
+        }
+    }
+
     /// What is known so far.
     pub fn guide(&self) -> Guidance<'_> {
         self.method.guide()

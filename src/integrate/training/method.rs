@@ -80,6 +80,15 @@ impl Method {
         Ok(Self::Ppg(Box::new(Ppg { trainer, guide })))
     }
 
+    /// Grows from now on where these paths of a camera came.
+    pub fn look_anew(&mut self, look: &Look) {
+        if let Self::Double(double) = self {
+            double
+                .trainer
+                .set_importance(&look.points, importance::PER_CELL);
+        }
+    }
+
     /// What is known so far.
     pub fn guide(&self) -> Guidance<'_> {
         match self {
