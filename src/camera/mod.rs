@@ -10,86 +10,28 @@ use crate::math::warp::concentric_disk;
 use crate::math::{DAffine3, DVec3, Vec2};
 use std::f64::consts::{PI, TAU};
 
+mod angular;
+mod description;
 #[cfg(test)]
 mod tests;
 
-/// Which extent of the film a field of view spans.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum FovAxis {
-    /// Width.
-    #[default]
-    X,
-    /// Height.
-    Y,
-    /// The diagonal.
-    Diagonal,
-    /// The shorter side.
-    Smaller,
-    /// The longer side.
-    Larger,
-}
-
-/// How rays leave the camera.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Projection {
-    /// Pinhole.
-    Perspective {
-        /// Full field of view, degrees.
-        fov_degrees: f64,
-        /// What it spans.
-        fov_axis: FovAxis,
-        /// Shift of the image in units of its width and height (Mitsuba 3
-        /// `principal_point_offset_*`).
-        principal_point: [f64; 2],
-    },
-    /// A thin lens.
-    ThinLens {
-        /// Full field of view, degrees.
-        fov_degrees: f64,
-        /// What it spans.
-        fov_axis: FovAxis,
-        /// Shift of the image in units of its width and height.
-        principal_point: [f64; 2],
-        /// Radius of the lens, world units.
-        aperture_radius: f64,
-        /// Distance to the plane in focus along the axis.
-        focus_distance: f64,
-    },
-    /// Parallel rays; the film spans `[-1, 1]` in camera x.
-    Orthographic,
-    /// All directions, latitude by longitude, as in an environment map (Mitsuba 0.x `spherical`):
-    /// +y of the camera is at the top, -z at the left and right edges.
-    Spherical,
-}
-
-/// A camera as a scene describes it. Camera space: looks along +z, +y is up, +x is *left*
-/// (Mitsuba's convention).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CameraDescription {
-    /// Camera space to world space.
-    pub to_world: DAffine3,
-    /// Projection.
-    pub projection: Projection,
-    /// Nothing closer along the axis is seen.
-    pub near_clip: f64,
-    /// Nothing farther along the axis is seen.
-    pub far_clip: f64,
-}
+pub use description::{CameraDescription, FovAxis, Projection};
 
 /// A camera for a film of a certain size.
 #[derive(Clone, Copy, Debug)]
 pub struct Camera {
     /// Camera space to world space.
     to_world: DAffine3,
-    /// Camera-space x and y at depth 1 (on the film plane for parallel rays) of the film's upper
-    /// left corner.
+    /// Camera-space x and y at depth 1 (on the film plane for parallel rays, angles for a sphere or
+    /// a fisheye) of the film's upper left corner.
     corner: [f64; 2],
     /// Change of the same per pixel.
     step: [f64; 2],
     lens: Lens,
     near: f64,
     far: f64,
-    /// Width of a pixel at depth 1 (perspective) or anywhere (parallel rays), world units.
+    /// Width of a pixel at depth 1 (perspective) or anywhere (parallel rays), world units; an angle
+    /// for a sphere and a fisheye.
     pixel_width: f64,
 }
 
@@ -97,9 +39,16 @@ pub struct Camera {
 #[derive(Clone, Copy, Debug)]
 enum Lens {
     Pinhole,
-    Thin { radius: f64, focus: f64 },
+    Thin {
+        radius: f64,
+        focus: f64,
+    },
     Parallel,
     Sphere,
+    /// Angle from the axis to the edge of the circle.
+    Fisheye {
+        edge: f64,
+    },
 }
 
 /// A ray from the camera.
@@ -111,6 +60,9 @@ pub struct CameraRay {
     pub cone_width: f32,
     /// Growth of that width per unit distance.
     pub cone_spread: f32,
+    /// Whether anything is seen along it. Outside of a fisheye's circle nothing is, not even the
+    /// sky: there the ray is one that meets nothing.
+    pub sees: bool,
 }
 
 impl Camera {
@@ -118,32 +70,33 @@ impl Camera {
     pub fn new(description: &CameraDescription, width: u32, height: u32) -> Self {
         let (width, height) = (f64::from(width.max(1)), f64::from(height.max(1)));
         let aspect = width / height;
+        let along = |fov: f64, axis| half_width((fov.to_radians() * 0.5).tan(), axis, aspect);
         let (half_width, shift, lens) = match description.projection {
             Projection::Perspective {
                 fov_degrees,
                 fov_axis,
                 principal_point,
-            } => (
-                half_width(fov_degrees, fov_axis, aspect),
-                principal_point,
-                Lens::Pinhole,
-            ),
+            } => (along(fov_degrees, fov_axis), principal_point, Lens::Pinhole),
             Projection::ThinLens {
                 fov_degrees,
                 fov_axis,
                 principal_point,
-                aperture_radius,
-                focus_distance,
-            } => (
-                half_width(fov_degrees, fov_axis, aspect),
-                principal_point,
-                Lens::Thin {
-                    radius: aperture_radius,
-                    focus: focus_distance,
-                },
-            ),
+                aperture_radius: radius,
+                focus_distance: focus,
+            } => {
+                let lens = Lens::Thin { radius, focus };
+                (along(fov_degrees, fov_axis), principal_point, lens)
+            }
             Projection::Orthographic => (1.0, [0.0; 2], Lens::Parallel),
             Projection::Spherical => return Self::spherical(description, width, height),
+            Projection::Fisheye {
+                fov_degrees,
+                fov_axis,
+            } => {
+                let edge = fov_degrees.to_radians() * 0.5;
+                let half = half_width(edge, fov_axis, aspect);
+                (half, [0.0; 2], Lens::Fisheye { edge })
+            }
         };
         let half = [half_width, half_width / aspect];
         // Camera x points left and y up, the film's x right and y down: both run from + to -.
@@ -199,26 +152,58 @@ impl Camera {
                 self.finish(org, dir)
             }
             Lens::Parallel => self.finish(DVec3::new(x, y, 0.0), DVec3::Z),
-            Lens::Sphere => {
-                let ((sin_phi, cos_phi), (sin_theta, cos_theta)) = (x.sin_cos(), y.sin_cos());
-                let dir = DVec3::new(sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta);
-                let mut ray = self.finish(DVec3::ZERO, dir);
-                // Columns come together at the poles.
-                ray.cone_spread = (self.pixel_width * sin_theta.abs().sqrt()) as f32;
-                ray
-            }
+            Lens::Sphere => self.finish_angular(angular::on_sphere(x, y)),
+            Lens::Fisheye { edge } => self.finish_angular(angular::in_circle(x, y, edge)),
         }
     }
 
-    /// Where on the film, in pixels, a point of camera space before the camera is seen; through the
-    /// middle of the lens.
-    pub fn place(&self, point: DVec3) -> [f64; 2] {
-        let depth = match self.lens {
-            Lens::Parallel => 1.0,
-            _ => point.z,
+    /// Where on the film, in pixels, a point of camera space is seen, through the middle of the
+    /// lens; `None` where no ray of the camera goes through it. The film's edges and the clip
+    /// distances do not count.
+    pub fn place(&self, point: DVec3) -> Option<[f64; 2]> {
+        let [x, y] = match self.lens {
+            Lens::Pinhole | Lens::Thin { .. } if point.z > 0.0 => {
+                [point.x / point.z, point.y / point.z]
+            }
+            Lens::Parallel if point.z >= 0.0 => [point.x, point.y],
+            Lens::Pinhole | Lens::Thin { .. } | Lens::Parallel => return None,
+            Lens::Sphere => angular::angles_on_sphere(point)?,
+            Lens::Fisheye { edge } => angular::angles_in_circle(point, edge)?,
         };
-        let along = |at: f64, axis: usize| (at / depth - self.corner[axis]) / self.step[axis];
-        [along(point.x, 0), along(point.y, 1)]
+        let along = |at: f64, axis: usize| (at - self.corner[axis]) / self.step[axis];
+        Some([along(x, 0), along(y, 1)])
+    }
+
+    /// Whether what is straight is straight in the picture.
+    pub fn keeps_lines_straight(&self) -> bool {
+        !matches!(self.lens, Lens::Sphere | Lens::Fisheye { .. })
+    }
+
+    /// Whether points behind the camera can be seen.
+    pub fn sees_behind(&self) -> bool {
+        match self.lens {
+            Lens::Sphere => true,
+            Lens::Fisheye { edge } => edge > 0.5 * PI,
+            _ => false,
+        }
+    }
+
+    /// The ray of a film of angles, or one that sees nothing.
+    #[inline]
+    fn finish_angular(&self, looks: Option<angular::Look>) -> CameraRay {
+        let Some(angular::Look { dir, area }) = looks else {
+            let mut blind = self.finish(DVec3::ZERO, DVec3::Z);
+            (blind.ray.tmin, blind.ray.tmax) = (1.0, 0.0);
+            return CameraRay {
+                sees: false,
+                ..blind
+            };
+        };
+        let cone_spread = (self.pixel_width * area.max(0.0).sqrt()) as f32;
+        CameraRay {
+            cone_spread,
+            ..self.finish(DVec3::ZERO, dir)
+        }
     }
 
     /// Places a ray from `org` through `org + dir`, where `dir` spans a depth of 1, in the world.
@@ -237,6 +222,7 @@ impl Camera {
                 ray,
                 cone_width: self.pixel_width as f32,
                 cone_spread: 0.0,
+                sees: true,
             };
         }
         // A pixel off the axis is farther away and seen at a slant: its solid angle shrinks with
@@ -246,14 +232,14 @@ impl Camera {
             ray,
             cone_width: 0.0,
             cone_spread: self.pixel_width as f32 * cos * cos.sqrt(),
+            sees: true,
         }
     }
 }
 
-/// Half the film's width at depth 1, for a field of view along `axis` and a film of this width over
-/// height.
-fn half_width(fov_degrees: f64, axis: FovAxis, aspect: f64) -> f64 {
-    let half = (fov_degrees.to_radians() * 0.5).tan();
+/// Half the film's width where half its extent along `axis` is `half`, for a film of this width
+/// over height.
+fn half_width(half: f64, axis: FovAxis, aspect: f64) -> f64 {
     match axis {
         FovAxis::X => half,
         FovAxis::Y => half * aspect,

@@ -201,9 +201,9 @@ mod tests {
         assert!(told.is_subset(&options), "{told:?}");
         // All that is left out: a new option is told, unless it is put here, too.
         let left_out: Vec<_> = options.difference(&told).map(String::as_str).collect();
-        let expected = "accel aov camera checkpoint compression define denoise envmap exposure field format fov \
-                        ground lenient limit-decoded look-at material noise oidn output pixel preview \
-                        quality reference resume shard sky spp stats strict time up view";
+        let expected = "accel aov aperture camera checkpoint compression define denoise envmap exposure field \
+                        focus format fov ground lenient limit-decoded look-at material noise oidn output pixel \
+                        preview projection quality reference resume shard sky spp stats strict time up view";
         assert_eq!(left_out.join(" "), expected);
     }
 }

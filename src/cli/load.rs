@@ -11,7 +11,7 @@ use crate::light::{Emitter, EnvironmentImage, Lights};
 use crate::report::totals::{TextureTotals, triangles};
 use crate::report::words;
 use crate::scene::fingerprint::{fingerprint, world_fingerprint};
-use crate::scene::import::default_scene::{Sky, Studio};
+use crate::scene::import::default_scene::{Aperture, Sky, Studio};
 use crate::scene::import::models::{self, ModelKind, ModelOptions, ModelSource};
 use crate::scene::import::{ImportOptions, mitsuba};
 use crate::scene::precautions::watertight_edges;
@@ -193,6 +193,8 @@ fn check_no_studio(args: &StudioArgs, scene: &Path) -> Result<(), Failure> {
         ("--camera", args.camera.is_some()),
         ("--look-at", args.look_at.is_some()),
         ("--fov", args.fov.is_some()),
+        ("--projection", args.projection.is_some()),
+        ("--aperture", args.aperture.is_some()),
         ("--sky", args.sky.is_some()),
         ("--envmap", args.envmap.is_some()),
         ("--ground", args.ground.is_some()),
@@ -340,6 +342,11 @@ fn load_models(
         view: args.camera.clone(),
         look_at: args.look_at,
         fov_degrees: args.fov,
+        projection: args.projection,
+        aperture: args.aperture.map(|radius| Aperture {
+            radius,
+            focus: args.focus,
+        }),
         z_up,
         sky: args.sky.clone(),
         environment,

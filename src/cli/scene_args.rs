@@ -1,14 +1,15 @@
 //! What can be typed about what is rendered: scenes, and models without a scene.
 
+use super::choice::{Choice, choice};
 use super::values;
 use crate::image::decoded::DecodeLimit;
 use crate::math::DVec3;
-use crate::scene::import::default_scene::{self, Sky, Viewpoint};
+use crate::scene::import::default_scene::{self, ProjectionKind, Sky, Viewpoint};
 use crate::scene::import::models::palette::Paint;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::ffi::OsString;
-use std::ops::Bound::Excluded;
+use std::ops::Bound::{Excluded, Included};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -88,9 +89,21 @@ pub struct StudioArgs {
     /// Point that the camera looks at [default: the middle of the models]
     #[arg(long, value_name = "X,Y,Z", value_parser = default_scene::point, allow_hyphen_values = true)]
     pub look_at: Option<DVec3>,
-    /// Field of view along the picture's shorter side, degrees [default: the camera's, or 35]
-    #[arg(long, value_name = "DEGREES", value_parser = values::number((Excluded(0.0), Excluded(180.0)), "expected degrees above 0 and below 180 such as 35"))]
+    /// How the camera projects [default: as the models' camera does, or perspective]
+    #[arg(long, value_name = "NAME", value_parser = PROJECTIONS)]
+    pub projection: Option<ProjectionKind>,
+    /// Field of view along the picture's shorter side, degrees [default: the camera's, or 35; of a
+    /// fisheye 180]
+    #[arg(long, value_name = "DEGREES", value_parser = values::number((Excluded(0.0), Included(360.0)), "expected degrees above 0 such as 35, below 180, or up to 360 of a fisheye"))]
     pub fov: Option<f64>,
+    /// Radius of the camera's lens, in the models' units: what is not in focus is blurred [default:
+    /// a pinhole]
+    #[arg(long, value_name = "RADIUS", value_parser = values::number((Excluded(0.0), Excluded(f64::INFINITY)), "expected a radius above 0 such as 0.02"))]
+    pub aperture: Option<f64>,
+    /// Distance to what is in focus, along the camera's axis [default: that of what the camera looks
+    /// at]
+    #[arg(long, value_name = "DISTANCE", requires = "aperture", value_parser = values::number((Excluded(0.0), Excluded(f64::INFINITY)), "expected a distance above 0 such as 2.5"))]
+    pub focus: Option<f64>,
     /// Light: studio, white, white:R,G,B, sun, sun:AZIMUTH,ELEVATION or none [default: studio, if
     /// the models bring no light]
     #[arg(long, value_name = "SKY")]
@@ -110,6 +123,17 @@ pub struct StudioArgs {
     #[arg(long, value_name = "AXIS", default_value = "y")]
     pub up: UpAxis,
 }
+
+const PROJECTIONS: Choice<ProjectionKind> = choice! {
+    /// As eyes and lenses see
+    "perspective" => ProjectionKind::Perspective,
+    /// Parallel rays: equal sizes at all distances
+    "orthographic" => ProjectionKind::Orthographic,
+    /// All directions, latitude by longitude, as in an environment map
+    "spherical" => ProjectionKind::Spherical,
+    /// A circle in which the distance from the middle is the angle to the axis
+    "fisheye" => ProjectionKind::Fisheye,
+};
 
 /// Axis that points up.
 #[derive(ValueEnum, Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -58,7 +58,9 @@ fn grid(camera: &Camera, film: &FilmDescription) -> Vec<Ray> {
         Vec2::new(place(x0, x1, x), place(y0, y1, y))
     });
     points
-        .map(|at| camera.ray(at, Vec2::splat(0.5)).ray)
+        .map(|at| camera.ray(at, Vec2::splat(0.5)))
+        .filter(|camera| camera.sees)
+        .map(|camera| camera.ray)
         .collect()
 }
 
@@ -91,13 +93,11 @@ fn unseen(
 ) -> Option<&'static str> {
     let to_camera = description.to_world.inverse();
     let inside = corners.map(|c| to_camera.transform_point3(c));
-    if inside.iter().all(|c| c.z <= 0.0) {
+    if !camera.sees_behind() && inside.iter().all(|c| c.z <= 0.0) {
         return Some("all of the scene is behind it");
     }
-    if inside.iter().any(|c| c.z <= 0.0) {
-        return None;
-    }
-    let places = inside.map(|c| camera.place(c));
+    let places: Option<Vec<_>> = inside.iter().map(|&c| camera.place(c)).collect();
+    let places = places?;
     let range = |along: fn(&[f64; 2]) -> f64| {
         let values = places.iter().map(along);
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
@@ -106,7 +106,9 @@ fn unseen(
     };
     let (x, y) = (range(|p| p[0]), range(|p| p[1]));
     let beyond = |(low, high): (f64, f64), side: u32| high < 0.0 || low > f64::from(side);
-    if beyond(x, film.width) || beyond(y, film.height) {
+    let is_beside = beyond(x, film.width) || beyond(y, film.height);
+    // A box with bent edges may bulge into the picture.
+    if is_beside && camera.keeps_lines_straight() {
         return Some("all of the scene is beyond the edges of the picture");
     }
     let small = x.1 - x.0 < 1.0 && y.1 - y.0 < 1.0;

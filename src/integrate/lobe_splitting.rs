@@ -137,6 +137,7 @@ mod tests {
             ray: Ray::new(Vec3::ZERO, Vec3::Z),
             cone_width: 0.0,
             cone_spread: 0.0,
+            sees: true,
         };
         let sampler = PathSampler::independent(1, 2, 3);
         GuidedPath::new(Path::new(&camera, sampler, 0), split_budget)

@@ -42,8 +42,9 @@ impl Path {
     /// A path that begins at the camera.
     #[inline]
     pub fn new(camera: &CameraRay, sampler: PathSampler, accumulator: u32) -> Self {
+        let throughput = if camera.sees { Rgb::ONE } else { Rgb::ZERO };
         Self {
-            throughput: Rgb::ONE,
+            throughput,
             pdf: f32::INFINITY,
             from: camera.ray.org,
             from_normal: Vec3::ZERO,

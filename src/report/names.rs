@@ -40,6 +40,7 @@ pub fn camera(projection: &Projection) -> &'static str {
         Projection::ThinLens { .. } => "thinlens",
         Projection::Orthographic => "orthographic",
         Projection::Spherical => "spherical",
+        Projection::Fisheye { .. } => "fisheye",
     }
 }
 

@@ -69,7 +69,7 @@ fn several_models_stand_where_they_are_put() {
 #[test]
 fn words_that_do_not_go_together_are_told() {
     let place = place();
-    let cases: [(&str, &[&str]); 8] = [
+    let cases: [(&str, &[&str]); 15] = [
         ("render scene.xml --ground", &["--ground is for models"]),
         ("render a.obj -D a=b", &["-D a", "scene"]),
         ("render a.obj scene.xml", &["scene.xml: is no model"]),
@@ -81,10 +81,45 @@ fn words_that_do_not_go_together_are_told() {
         ),
         ("render a.obj --envmap absent.hdr", &["absent.hdr"]),
         ("render a.stl@scale=0", &["none of them 0"]),
+        (
+            "render scene.xml --projection fisheye",
+            &["--projection is for models"],
+        ),
+        ("render a.obj --projection round", &["round", "fisheye"]),
+        ("render a.obj --fov 200", &["--fov 200", "180", "fisheye"]),
+        ("render a.obj --fov 361", &["up to 360"]),
+        (
+            "render a.obj --projection spherical --fov 90",
+            &["--fov", "panorama"],
+        ),
+        (
+            "render a.obj --projection orthographic --aperture 1",
+            &["--aperture", "perspective"],
+        ),
+        ("render a.obj --focus 2", &["--aperture"]),
     ];
     for (words, parts) in cases {
         place.run(words).fails(2, parts);
     }
+}
+
+/// By parallel rays from the front the pyramid is a triangle of width 2 and height 2 in a picture
+/// of height 2.1 and a width of 4/3 of that.
+#[test]
+fn parallel_rays_show_a_model_in_its_true_size() {
+    let place = place();
+    let view = "--projection orthographic --camera orbit:0,0 --sky white --material matte:0.1";
+    place
+        .run(&format!(
+            "render a.obj {view} --width 120 --spp 4 -o out.exr"
+        ))
+        .ok();
+    let (_, pixels) = read_exr(&place.path("out.exr"));
+    let covered = pixels.iter().filter(|p| p[1] < 0.55).count() as f64;
+    let share = covered / pixels.len() as f64;
+    let expected = 2.0 / (2.1 * 2.1 * 4.0 / 3.0);
+    // Of the 3600 pixels, 260 are on its outline and fall to either side.
+    assert!((share / expected - 1.0).abs() < 0.02, "{share} {expected}");
 }
 
 #[test]

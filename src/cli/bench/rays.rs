@@ -109,7 +109,8 @@ fn camera_rays(subject: &Subject, count: u32, rng: &mut Pcg32) -> Vec<Ray> {
         for pixel in 0..TILE * TILE {
             let inside = Vec2::new((pixel % TILE) as f32, (pixel / TILE) as f32);
             let film = corner + inside + uniform(rng);
-            rays.push(camera.ray(film, uniform(rng)).ray);
+            let camera = camera.ray(film, uniform(rng));
+            rays.extend(camera.sees.then_some(camera.ray));
         }
     }
     rays

@@ -125,6 +125,7 @@ pub fn brute_force(
                     ray: point.spawn_ray(w),
                     cone_width: 0.0,
                     cone_spread: 0.0,
+                    sees: true,
                 },
                 sampler,
             );

@@ -12,6 +12,7 @@ fn path(throughput: Rgb, eta: f32) -> GuidedPath {
         ray: Ray::new(Vec3::ZERO, Vec3::Z),
         cone_width: 0.0,
         cone_spread: 0.0,
+        sees: true,
     };
     let mut path = Path::new(&camera, PathSampler::independent(0, 0, 0), 0);
     (path.throughput, path.eta, path.depth) = (throughput, eta, 7);

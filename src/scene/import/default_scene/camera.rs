@@ -1,21 +1,16 @@
-//! The camera of a studio.
+//! The camera of a studio: where it stands and where it looks.
 
+use super::projection::{Kind, parallel_half_width};
 use super::{Studio, Viewpoint, error};
 use crate::accel::Bounds;
-use crate::camera::{CameraDescription, FovAxis, Projection};
+use crate::camera::{CameraDescription, Projection};
 use crate::math::{DAffine3, DVec3};
 use crate::scene::import::ImportError;
 use crate::scene::import::parts::{NamedCamera, Parts};
 use glam::DMat3;
 
-/// Full field of view along the picture's shorter side, degrees: that of a portrait lens.
-const FOV_DEGREES: f64 = 35.0;
 /// Where the camera stands if nothing is asked for: a little to the right and above, degrees.
 const AZIMUTH_ELEVATION: (f64, f64) = (30.0, 20.0);
-/// Width over height if nothing is asked for.
-const ASPECT: f64 = 4.0 / 3.0;
-/// Room around the model.
-const MARGIN: f64 = 1.05;
 
 /// A camera, and the proportions of its picture.
 pub(super) struct Shot {
@@ -36,56 +31,113 @@ impl Studio {
             _ => None,
         };
         if let Some(found) = chosen {
-            let aspect = asked.or(found.aspect).unwrap_or(ASPECT);
-            let camera = self.adjusted(found.camera);
+            let own = Kind::of(&found.camera.projection);
+            let kind = self.projection.unwrap_or(own);
+            self.check_lens(kind)?;
+            let own_aspect = found.aspect.filter(|_| kind == own);
+            let aspect = asked.or(own_aspect).unwrap_or(kind.aspect());
+            let camera = match kind == own {
+                true => self.adjusted(found.camera, bounds)?,
+                false => self.projected(&found.camera, kind, bounds, aspect)?,
+            };
             return Ok(Shot { camera, aspect });
         }
-        let aspect = asked.unwrap_or(ASPECT);
+        let kind = self.projection.unwrap_or(Kind::Perspective);
+        self.check_lens(kind)?;
+        let aspect = asked.unwrap_or(kind.aspect());
         let camera = match self.view {
-            Some(Viewpoint::From(eye)) => self.from(eye, bounds)?,
+            Some(Viewpoint::From(eye)) => self.from(eye, kind, bounds, aspect)?,
             Some(Viewpoint::Orbit { azimuth, elevation }) => {
-                self.orbit((azimuth, elevation), bounds, aspect)?
+                self.orbit((azimuth, elevation), kind, bounds, aspect)?
             }
-            _ => self.orbit(AZIMUTH_ELEVATION, bounds, aspect)?,
+            _ => self.orbit(AZIMUTH_ELEVATION, kind, bounds, aspect)?,
         };
         Ok(Shot { camera, aspect })
     }
 
-    /// A camera of a file with the field of view and the target of the command line.
-    fn adjusted(&self, mut camera: CameraDescription) -> CameraDescription {
-        if let (Some(fov), Projection::Perspective { .. }) = (self.fov_degrees, camera.projection) {
-            camera.projection = perspective(fov);
-        }
+    /// A camera of a file with the field of view, the lens and the target of the command line.
+    fn adjusted(
+        &self,
+        mut camera: CameraDescription,
+        bounds: Bounds,
+    ) -> Result<CameraDescription, ImportError> {
         let eye = camera.to_world.translation;
+        let own = camera.to_world.matrix3;
         let to_target = self.look_at.and_then(|t| (t - eye).try_normalize());
         if let Some(forward) = to_target {
-            camera.to_world.matrix3 = axes(forward, self.up());
+            let mut turned = axes(forward, self.up());
+            // Here the scale is the size of the picture.
+            if camera.projection == Projection::Orthographic {
+                turned.x_axis *= own.x_axis.length();
+                turned.y_axis *= own.y_axis.length();
+            }
+            camera.to_world.matrix3 = turned;
         }
-        camera
+        if let Projection::Perspective {
+            fov_degrees,
+            fov_axis,
+            ..
+        } = camera.projection
+        {
+            let own = (fov_degrees, fov_axis);
+            let fov = self.fov_degrees.map_or(own, |_| self.fov());
+            let to_target = self.target(bounds) - eye;
+            let forward = camera.to_world.matrix3.z_axis;
+            camera.projection = self.perspective(fov, to_target, forward)?;
+        }
+        Ok(camera)
     }
 
-    fn fov(&self) -> f64 {
-        self.fov_degrees.unwrap_or(FOV_DEGREES)
+    /// A camera that stands where one of a file does, and projects otherwise.
+    fn projected(
+        &self,
+        found: &CameraDescription,
+        kind: Kind,
+        bounds: Bounds,
+        aspect: f64,
+    ) -> Result<CameraDescription, ImportError> {
+        let eye = found.to_world.translation;
+        let own = found.to_world.matrix3;
+        let to_target = self.look_at.and_then(|t| (t - eye).try_normalize());
+        let matrix = match to_target {
+            Some(forward) => axes(forward, self.up()),
+            None => {
+                let [x, y, z] = [own.x_axis, own.y_axis, own.z_axis].map(DVec3::normalize_or_zero);
+                DMat3::from_cols(x, y, z)
+            }
+        };
+        self.describe((eye, matrix), kind, bounds, aspect)
     }
 
     fn target(&self, bounds: Bounds) -> DVec3 {
         self.look_at.unwrap_or_else(|| bounds.center().as_dvec3())
     }
 
-    fn from(&self, eye: DVec3, bounds: Bounds) -> Result<CameraDescription, ImportError> {
-        let way = self.target(bounds) - eye;
+    fn from(
+        &self,
+        eye: DVec3,
+        kind: Kind,
+        bounds: Bounds,
+        aspect: f64,
+    ) -> Result<CameraDescription, ImportError> {
+        let mut way = self.target(bounds) - eye;
+        // From the middle of the models, a panorama shows what is before them in its middle.
+        if way == DVec3::ZERO && kind == Kind::Spherical {
+            way = self.front();
+        }
         let Some(forward) = way.try_normalize() else {
             let help = "choose another place with --camera, or another target with --look-at";
             let message = "the camera stands where it looks at";
             return Err(error(message, Some(help.into())));
         };
-        Ok(self.describe(eye, axes(forward, self.up()), bounds))
+        self.describe((eye, axes(forward, self.up())), kind, bounds, aspect)
     }
 
     /// A camera on a sphere around the target, as near as it may be without cutting anything off.
     fn orbit(
         &self,
         (azimuth, elevation): (f64, f64),
+        kind: Kind,
         bounds: Bounds,
         aspect: f64,
     ) -> Result<CameraDescription, ImportError> {
@@ -102,36 +154,61 @@ impl Studio {
         };
         let matrix = axes(-outward, hint);
         let target = self.target(bounds);
-        let distance = fit(bounds, target, &matrix, self.fov(), aspect);
+        let distance = self.distance(kind, bounds, target, &matrix, aspect);
         if !(distance > 0.0 && distance.is_finite()) {
             return Err(error(
                 "the models have no extent that a camera could frame",
                 None,
             ));
         }
-        Ok(self.describe(target + outward * distance, matrix, bounds))
+        self.describe((target + outward * distance, matrix), kind, bounds, aspect)
     }
 
-    fn describe(&self, eye: DVec3, matrix3: DMat3, bounds: Bounds) -> CameraDescription {
+    /// A camera at a place with these axes.
+    fn describe(
+        &self,
+        (eye, matrix): (DVec3, DMat3),
+        kind: Kind,
+        bounds: Bounds,
+        aspect: f64,
+    ) -> Result<CameraDescription, ImportError> {
         let radius = f64::from(bounds.radius()).max(1e-30);
         let reach = (eye - bounds.center().as_dvec3()).length() + radius;
-        CameraDescription {
+        let (matrix3, projection) = match kind {
+            Kind::Perspective => {
+                let to_target = self.target(bounds) - eye;
+                let projection = self.perspective(self.fov(), to_target, matrix.z_axis)?;
+                (matrix, projection)
+            }
+            Kind::Orthographic => {
+                let half = parallel_half_width(bounds, eye, &matrix, aspect);
+                let size = DMat3::from_diagonal(DVec3::new(half, half, 1.0));
+                (matrix * size, Projection::Orthographic)
+            }
+            Kind::Spherical => (self.level(matrix), Projection::Spherical),
+            Kind::Fisheye => (matrix, self.fisheye()),
+        };
+        Ok(CameraDescription {
             to_world: DAffine3 {
                 matrix3,
                 translation: eye,
             },
-            projection: perspective(self.fov()),
+            projection,
             near_clip: 1e-5 * radius,
             far_clip: 1e4 * reach,
-        }
+        })
     }
-}
 
-fn perspective(fov_degrees: f64) -> Projection {
-    Projection::Perspective {
-        fov_degrees,
-        fov_axis: FovAxis::Smaller,
-        principal_point: [0.0; 2],
+    /// The same axes with the horizon in the middle of a panorama.
+    fn level(&self, matrix: DMat3) -> DMat3 {
+        let up = self.up();
+        let ahead = matrix.z_axis.reject_from_normalized(up);
+        // Straight up and down there is no ahead but the picture's top.
+        let ahead = match ahead.length() > 1e-6 {
+            true => ahead,
+            false => matrix.y_axis.reject_from_normalized(up),
+        };
+        ahead.try_normalize().map_or(matrix, |a| axes(a, up))
     }
 }
 
@@ -140,29 +217,6 @@ fn axes(forward: DVec3, up: DVec3) -> DMat3 {
     let left = up.cross(forward).try_normalize();
     let left = left.unwrap_or_else(|| forward.any_orthonormal_vector());
     DMat3::from_cols(left, forward.cross(left), forward)
-}
-
-/// The distance from `target` at which the corners of the box fit into the picture.
-fn fit(bounds: Bounds, target: DVec3, matrix: &DMat3, fov_degrees: f64, aspect: f64) -> f64 {
-    let half = (0.5 * fov_degrees.to_radians()).tan();
-    let (half_x, half_y) = (half * aspect.max(1.0), half * (1.0 / aspect).max(1.0));
-    let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
-    let mut distance: f64 = 0.0;
-    for i in 0..8 {
-        let pick = |axis: usize| {
-            if i >> axis & 1 == 0 {
-                min[axis]
-            } else {
-                max[axis]
-            }
-        };
-        let corner = matrix.transpose() * (DVec3::new(pick(0), pick(1), pick(2)) - target);
-        // |x| <= (distance + z) half_x, and the same for y.
-        let across = (corner.x.abs() / half_x).max(corner.y.abs() / half_y);
-        distance = distance.max(MARGIN * across - corner.z);
-    }
-    // A single flat triangle seen from its side still has a distance.
-    distance.max(1e-3 * f64::from(bounds.radius()))
 }
 
 /// The camera with that name or number.

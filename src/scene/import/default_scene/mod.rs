@@ -6,10 +6,12 @@
 
 mod camera;
 mod light;
+mod projection;
 #[cfg(test)]
 mod tests;
 mod words;
 
+pub use projection::{Aperture, Kind as ProjectionKind};
 pub use words::{Sky, Viewpoint, point};
 
 use super::ImportError;
@@ -38,6 +40,10 @@ pub struct Studio {
     pub look_at: Option<DVec3>,
     /// Full field of view along the picture's shorter side, degrees; `None` is the camera's.
     pub fov_degrees: Option<f64>,
+    /// How the camera projects; `None` is as the file's camera does, or else a perspective.
+    pub projection: Option<ProjectionKind>,
+    /// Its lens; `None` is the camera's, a pinhole.
+    pub aperture: Option<Aperture>,
     /// Whether +z is up instead of +y.
     pub z_up: bool,
     /// Light; `None` is the studio's, unless the files bring their own.

@@ -57,7 +57,7 @@ pub(super) const OBJECTS: &[(&str, &[&str])] = &[
         "bitmap", "checkerboard", "gridtexture", "scale", "mesh_attribute", "vertexcolors", "uniform",
         "rawconstant", "srgb", "d65", "blackbody", "regular", "irregular",
     ]),
-    ("sensor", &["perspective", "thinlens", "orthographic", "spherical"]),
+    ("sensor", &["perspective", "thinlens", "orthographic", "spherical", "fisheye"]),
     ("film", &["hdrfilm", "ldrfilm", "tiledhdrfilm"]),
     ("rfilter", &["box", "tent", "gaussian", "mitchell", "catmullrom", "lanczos"]),
     ("sampler", &[

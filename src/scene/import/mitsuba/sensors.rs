@@ -9,6 +9,9 @@ use crate::math::DAffine3;
 use crate::scene::description::SamplerKind;
 use crate::scene::import::ImportError;
 
+/// Far clip distance of cameras that have none.
+const FARTHEST: f64 = 1e30;
+
 impl<'a> Importer<'a> {
     /// The sensor that object `index` describes.
     pub fn sensor(&mut self, index: usize) -> Result<Sensor, ImportError> {
@@ -41,11 +44,12 @@ impl<'a> Importer<'a> {
     }
 
     fn camera(&mut self, p: &Params<'a>) -> Result<CameraDescription, ImportError> {
-        let near_clip = p.positive("near_clip", 0.01);
-        let far_clip = p.positive("far_clip", 10_000.0);
-        if far_clip <= near_clip {
-            return Err(p.error("\"far_clip\" must be greater than \"near_clip\""));
-        }
+        let angular = match p.plugin() {
+            "spherical" => Some(Projection::Spherical),
+            "fisheye" => Some(fisheye(p)),
+            _ => None,
+        };
+        let (near_clip, far_clip) = clip_distances(p, angular.is_some())?;
         let given = self.place(p.to_world(), None);
         if p.plugin() == "orthographic" {
             p.ignore(&["focus_distance"]);
@@ -57,10 +61,10 @@ impl<'a> Importer<'a> {
                 far_clip,
             });
         }
-        if p.plugin() == "spherical" {
+        if let Some(projection) = angular {
             return Ok(CameraDescription {
                 to_world: self.without_scale(p, given)?,
-                projection: Projection::Spherical,
+                projection,
                 near_clip,
                 far_clip,
             });
@@ -150,20 +154,56 @@ impl<'a> Importer<'a> {
     }
 }
 
+const FOV_AXES: [(&str, FovAxis); 5] = [
+    ("x", FovAxis::X),
+    ("y", FovAxis::Y),
+    ("diagonal", FovAxis::Diagonal),
+    ("smaller", FovAxis::Smaller),
+    ("larger", FovAxis::Larger),
+];
+
+/// The nearest and the farthest that is seen.
+fn clip_distances(p: &Params, is_angular: bool) -> Result<(f64, f64), ImportError> {
+    let (near, far) = match is_angular {
+        // Mitsuba 0.6's spherical camera has no clip planes.
+        true => (
+            p.float_in("near_clip", 0.0, 0.0..=FARTHEST),
+            p.positive("far_clip", FARTHEST),
+        ),
+        false => (
+            p.positive("near_clip", 0.01),
+            p.positive("far_clip", 10_000.0),
+        ),
+    };
+    match far > near {
+        true => Ok((near, far)),
+        false => Err(p.error("\"far_clip\" must be greater than \"near_clip\"")),
+    }
+}
+
+/// The half of all directions unless told otherwise, in a circle that the film holds.
+fn fisheye(p: &Params) -> Projection {
+    const HALF: f64 = 180.0;
+    let fov = p.float("fov", HALF);
+    let is_possible = fov > 0.0 && fov <= 360.0;
+    if !is_possible {
+        let at = p.place_of("fov");
+        let message = format!("\"fov\" is {fov}; it must be above 0 and at most 360");
+        p.fault(at, p.document().error(at, message));
+    }
+    Projection::Fisheye {
+        fov_degrees: if is_possible { fov } else { HALF },
+        fov_axis: p.choice("fov_axis", &FOV_AXES).unwrap_or(FovAxis::Smaller),
+    }
+}
+
 /// `fov` with `fov_axis`, or `focal_length`. Degrees.
 pub(super) fn field_of_view(p: &Params) -> (f64, FovAxis) {
     let wrong = |name: &str, message: String| {
         let at = p.place_of(name);
         p.fault(at, p.document().error(at, message));
     };
-    let axes = [
-        ("x", FovAxis::X),
-        ("y", FovAxis::Y),
-        ("diagonal", FovAxis::Diagonal),
-        ("smaller", FovAxis::Smaller),
-        ("larger", FovAxis::Larger),
-    ];
-    let axis = p.choice("fov_axis", &axes);
+    let axis = p.choice("fov_axis", &FOV_AXES);
     let focal_length = p.find("focal_length");
     if let Some(fov) = p.number("fov") {
         if focal_length.is_some() {

@@ -342,6 +342,8 @@ fn spherical_cameras_and_tiled_films_are_read() {
     );
     assert_eq!(d.warnings, [""; 0]);
     assert_eq!(d.camera.projection, Projection::Spherical);
+    // Mitsuba 0.6's has no clip planes.
+    assert_eq!((d.camera.near_clip, d.camera.far_clip), (0.0, 1e30));
     assert_eq!((d.film.width, d.film.height), (8, 4));
 }
 

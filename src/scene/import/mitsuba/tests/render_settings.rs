@@ -94,6 +94,32 @@ fn thin_lenses_and_parallel_projections() {
     assert_eq!(d.camera.to_world.matrix3.x_axis.x, 5.0);
 }
 
+#[test]
+fn fisheyes_show_up_to_all_directions() {
+    let fisheye = |inside: &str| format!("<sensor type='fisheye'>{inside}</sensor>");
+    let of = |inside: &str| seen("3.0.0", &fisheye(inside)).camera;
+    let projection = |fov_degrees, fov_axis| Projection::Fisheye {
+        fov_degrees,
+        fov_axis,
+    };
+    let plain = of("");
+    assert_eq!(plain.projection, projection(180.0, FovAxis::Smaller));
+    assert_eq!((plain.near_clip, plain.far_clip), (0.0, 1e30));
+    let wide = "<float name='fov' value='360'/><string name='fov_axis' value='diagonal'/><float name='near_clip' value='0.5'/>";
+    let wide = of(wide);
+    assert_eq!(wide.projection, projection(360.0, FovAxis::Diagonal));
+    assert_eq!(wide.near_clip, 0.5);
+    for fov in ["0", "-5", "361"] {
+        let sensor = fisheye(&format!("<float name='fov' value='{fov}'/>"));
+        let error = Stage::new().load(&format!("<scene version='3.0.0'>{sensor}</scene>"));
+        let error = error.unwrap_err().to_string();
+        assert!(
+            error.contains("fov") && error.contains("scene.xml"),
+            "{error}"
+        );
+    }
+}
+
 /// 0.x scenes mirror pictures by a negative scale; anything else in a camera's scale has no
 /// meaning.
 #[test]

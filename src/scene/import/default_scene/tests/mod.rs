@@ -9,6 +9,8 @@ use crate::scene::Mesh;
 use crate::scene::import::parts::NamedCamera;
 use std::sync::Arc;
 
+mod projections;
+
 /// A box of that half size around a centre, as the eight corners of two tetrahedra.
 fn model(center: Vec3, half: Vec3) -> Parts {
     let corner = |i: u32| {

@@ -4,6 +4,8 @@ use super::*;
 use crate::math::DVec3;
 use glam::DMat4;
 
+mod projections;
+
 /// One camera of the file with its film size.
 struct Case {
     description: CameraDescription,
@@ -56,7 +58,7 @@ fn parse_camera(words: &[&str]) -> Case {
 fn rays_are_mitsubas() {
     let mut case = None;
     let mut compared = 0;
-    for line in include_str!("../../tests/vectors/camera.txt").lines() {
+    for line in include_str!("../../../tests/vectors/camera.txt").lines() {
         let words: Vec<&str> = line.split_whitespace().collect();
         match words[0] {
             "camera" => case = Some(parse_camera(&words)),
@@ -106,9 +108,18 @@ fn a_cone_is_as_wide_as_the_gap_between_neighbouring_rays() {
         fov_axis: FovAxis::X,
         principal_point: [0.0; 2],
     };
-    for projection in [perspective, Projection::Orthographic] {
+    let fisheye = Projection::Fisheye {
+        fov_degrees: 200.0,
+        fov_axis: FovAxis::Diagonal,
+    };
+    for projection in [
+        perspective,
+        Projection::Orthographic,
+        Projection::Spherical,
+        fisheye,
+    ] {
         let camera = Camera::new(&description(projection), 400, 300);
-        for film in [Vec2::new(200.5, 150.5), Vec2::new(3.5, 8.5)] {
+        for film in [Vec2::new(200.5, 150.5), Vec2::new(23.5, 38.5)] {
             let at = |dx: f32, dy: f32| camera.ray(film + Vec2::new(dx, dy), Vec2::ZERO);
             let (c, x, y) = (at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0));
             let t = 10.0;
