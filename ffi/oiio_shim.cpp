@@ -73,6 +73,10 @@ ImageSpec to_spec(const TwtPart& part)
     for (int c = 0; c < part.channels; ++c)
         if (spec.channelnames[c] == "A")
             spec.alpha_channel = c;
+    spec.x           = part.x;
+    spec.y           = part.y;
+    spec.full_width  = part.full_width;
+    spec.full_height = part.full_height;
     if (part.tile > 0) {
         spec.tile_width = spec.tile_height = part.tile;
         spec.tile_depth                    = 1;

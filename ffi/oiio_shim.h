@@ -58,6 +58,8 @@ typedef struct {
     int32_t tile;               // edge of square tiles, 0 for scan lines
     const TwtAttribute* attributes;
     int32_t attribute_count;
+    int32_t x, y;                     // where the pixels begin in the picture that they are a part of
+    int32_t full_width, full_height;  // its size
     const float* pixels;        // width * height * channels, interleaved
 } TwtPart;
 

@@ -8,7 +8,9 @@
 use super::Failure;
 use crate::film::{Film, FilmDescription};
 use crate::film::{Layers, Metadata};
+use crate::image::header::{Level, Window};
 use crate::image::metrics::{Pair, errors::Errors};
+use crate::image::windows::Place;
 use crate::image::{self, Image};
 use crate::integrate::progress::{Progress, Summary};
 use crate::report::stats::{ErrorPoint, Stats};
@@ -111,36 +113,47 @@ impl ErrorTrack {
     }
 }
 
-/// The reference, cut to the film's crop if it shows the whole.
-fn fitting(path: &Path, whole: Image, film: &FilmDescription) -> Result<Image, Failure> {
+/// The reference at the film's place: cut to the film's crop if it shows more of the picture.
+fn fitting(path: &Path, reference: Image, film: &FilmDescription) -> Result<Image, Failure> {
     let [x0, y0, x1, y1] = film.region();
-    let size = (whole.width, whole.height);
-    if size == (x1 - x0, y1 - y0) {
-        return Ok(whole);
+    let wanted = Place {
+        size: Level {
+            width: x1 - x0,
+            height: y1 - y0,
+        },
+        window: Window {
+            at: [x0, y0].map(|c| i32::try_from(c).unwrap_or(i32::MAX)),
+            whole: Level {
+                width: film.width,
+                height: film.height,
+            },
+        },
+    };
+    let place = reference.place();
+    // Formats that cannot say where they lie are taken by their size.
+    if place == wanted || (reference.window.is_none() && place.size == wanted.size) {
+        return Ok(reference);
     }
-    if size != (film.width, film.height) {
+    if let Some(cut) = reference.cut(&wanted) {
+        return Ok(cut);
+    }
+    let (name, size, whole) = (path.display(), place.size, place.window.whole);
+    if place.window.whole == wanted.window.whole {
         return Err(Failure::wrong(
-            format!(
-                "{} has {} x {} pixels, the image {} x {}",
-                path.display(),
-                size.0,
-                size.1,
-                x1 - x0,
-                y1 - y0
-            ),
-            format!(
-                "render at its size with --width {} --height {}, or make another reference",
-                size.0, size.1
-            ),
+            format!("{name} does not show all of the part that is rendered: {place}"),
+            "give the same --crop, or a reference without one",
         ));
     }
-    let rows = whole.rgb();
-    let mut pixels = Vec::with_capacity((x1 - x0) as usize * (y1 - y0) as usize);
-    for y in y0..y1 {
-        let row = y as usize * whole.width as usize;
-        pixels.extend_from_slice(&rows[row + x0 as usize..row + x1 as usize]);
-    }
-    Ok(Image::from_rgb(x1 - x0, y1 - y0, &pixels))
+    Err(Failure::wrong(
+        format!(
+            "{name} has {} x {} pixels, the image {} x {}",
+            size.width, size.height, wanted.size.width, wanted.size.height
+        ),
+        format!(
+            "render at its size with --width {} --height {}, or make another reference",
+            whole.width, whole.height
+        ),
+    ))
 }
 
 /// Time that processors have spent on this process, all threads together.
@@ -186,6 +199,26 @@ mod tests {
         );
         let own = fitting(path, numbered(2, 2), &film(Some([1, 1, 3, 3]))).unwrap();
         assert_eq!((own.width, own.height), (2, 2));
+        // A crop that says where it lies.
+        let crop = film(Some([1, 1, 3, 3]));
+        let placed = |width, height, x, y| {
+            let whole = Level {
+                width: 4,
+                height: 3,
+            };
+            let mut image = numbered(width, height);
+            image.window = Window::of(image.place().size, [x, y], whole);
+            fitting(path, image, &crop)
+        };
+        assert_eq!(placed(2, 2, 1, 1).unwrap().pixels[0], 0.0);
+        assert_eq!(placed(3, 3, 1, 0).unwrap().pixels[0], 3.0);
+        for elsewhere in [placed(2, 2, 1, 0), placed(2, 3, 0, 0)] {
+            let text = elsewhere.unwrap_err().text().unwrap();
+            assert!(
+                text.contains("--crop") && text.contains("of 4 x 3"),
+                "{text}"
+            );
+        }
         let wrong = fitting(path, numbered(5, 3), &film(None)).unwrap_err();
         let text = wrong.text().unwrap();
         assert!(text.contains("5 x 3") && text.contains("4 x 3"), "{text}");

@@ -48,6 +48,7 @@ pub fn record(
             settings: settings((args, way), view, limits).into_iter().collect(),
         },
         region: film.region(),
+        frame: Some([film.width, film.height]),
         goal: (!endless).then_some(limits.spp),
         shard: args.parts.shard.unwrap_or(Shard::ALL),
         origin: Origin {

@@ -81,7 +81,7 @@ fn compare((first, ours): &Known, (path, theirs): &Known) -> Result<(), Failure>
         format!("in {}", path.display()),
     );
     let mut differences = ours.identity.differences(&here, &theirs.identity, &there);
-    if differences.is_empty() && ours.region != theirs.region {
+    if differences.is_empty() && (ours.region, ours.frame) != (theirs.region, theirs.frame) {
         differences.push("the regions of the film differ".into());
     }
     if ours.goal != theirs.goal {
@@ -108,8 +108,9 @@ fn compare((first, ours): &Known, (path, theirs): &Known) -> Result<(), Failure>
 
 /// Reads all parts into one film.
 fn read(parts: &[Known]) -> Result<Film, Failure> {
-    let region = parts.first().map_or([0; 4], |(_, record)| record.region);
-    let mut film = Film::vacant(region);
+    let first = parts.first().map(|(_, record)| record);
+    let region = first.map_or([0; 4], |record| record.region);
+    let mut film = Film::vacant(region).framed(first.and_then(|record| record.frame));
     let mut owners: Vec<Option<usize>> = vec![None; film.tiles().len()];
     for (k, (path, record)) in parts.iter().enumerate() {
         let mut taken = |tile: usize| {

@@ -189,6 +189,7 @@ impl Film {
         Image {
             width,
             height,
+            window: self.window(),
             channels,
             pixels,
             attributes: metadata.attributes(),

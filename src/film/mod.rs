@@ -59,6 +59,8 @@ mod tests;
 pub mod tile;
 pub mod variance;
 
+use crate::image::header::{Level, Window};
+
 pub use features::{FeatureSums, Features};
 pub use late::Late;
 pub use layers::Layers;
@@ -77,6 +79,8 @@ pub use tile::{Pixel, Sample, TILE_SIZE, Tile};
 pub struct Film {
     /// x0, y0, x1, y1 on the full film.
     region: [u32; 4],
+    /// Width and height of the full film, where that is known.
+    frame: Option<[u32; 2]>,
     tiles: Vec<Tile>,
 }
 
@@ -91,7 +95,8 @@ impl Film {
 
     /// An empty film that holds the tiles of `shard`.
     pub fn shard(description: &FilmDescription, shard: Shard) -> Self {
-        let mut film = Self::vacant(description.region());
+        let frame = [description.width, description.height];
+        let mut film = Self::vacant(description.region()).framed(Some(frame));
         for i in shard.tiles(film.tiles.len()) {
             let tile = &mut film.tiles[i];
             tile.pixels = vec![Pixel::default(); tile.area()];
@@ -117,7 +122,28 @@ impl Film {
                 });
             }
         }
-        Self { region, tiles }
+        Self {
+            region,
+            frame: None,
+            tiles,
+        }
+    }
+
+    /// The same film as a part of one of this width and height.
+    pub fn framed(self, frame: Option<[u32; 2]>) -> Self {
+        Self { frame, ..self }
+    }
+
+    /// Where the region lies on the full film, if it is not all of it.
+    fn window(&self) -> Option<Window> {
+        let [width, height] = self.frame?;
+        let [x0, y0, ..] = self.region;
+        let at = [i32::try_from(x0).ok()?, i32::try_from(y0).ok()?];
+        let size = Level {
+            width: self.width(),
+            height: self.height(),
+        };
+        Window::of(size, at, Level { width, height })
     }
 
     /// Width of the rendered region.

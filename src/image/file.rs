@@ -128,6 +128,7 @@ impl ImageFile {
         Ok(Image {
             width: level.width,
             height: level.height,
+            window: self.header.window,
             channels,
             pixels,
             attributes: self.header.attributes.clone(),

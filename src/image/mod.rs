@@ -33,6 +33,7 @@ pub mod spill;
 #[cfg(test)]
 mod tests;
 mod view_transform;
+pub mod windows;
 mod write;
 mod write_options;
 
@@ -150,6 +151,9 @@ pub struct Image {
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
+    /// Where they lie in the picture that they are a part of, if they are not all of it. EXR files
+    /// say so; other formats do not.
+    pub window: Option<header::Window>,
     /// Channels in the order of the numbers of a pixel.
     pub channels: Vec<Channel>,
     /// `width * height * channels` numbers.
@@ -164,6 +168,7 @@ impl Image {
         Self {
             width,
             height,
+            window: None,
             channels: names.iter().map(|&n| Channel::new(n)).collect(),
             pixels: vec![0.0; width as usize * height as usize * names.len()],
             attributes: Vec::new(),

@@ -4,6 +4,7 @@
 #[cfg(not(feature = "oiio"))]
 pub use reading::Input;
 
+use super::header::{Level, Window};
 use super::{Attribute, AttributeValue, Compression, Image, PixelType, WriteOptions};
 use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue as ExrValue, Encoding, FlatSamples, ImageAttributes,
@@ -44,8 +45,24 @@ fn to_image(layer: &Layer<AnyChannels<FlatSamples>>, shared: &ImageAttributes) -
             *target = value;
         }
     }
+    image.window = window(size, shared, &layer.attributes);
     image.attributes = attributes(shared, &layer.attributes);
     image
+}
+
+/// Where a layer of that size lies in the display window.
+fn window(
+    size: exr::math::Vec2<usize>,
+    shared: &ImageAttributes,
+    own: &LayerAttributes,
+) -> Option<Window> {
+    let display = shared.display_window;
+    let start = own.layer_position - display.position;
+    let level = |size: exr::math::Vec2<usize>| Level {
+        width: size.width() as u32,
+        height: size.height() as u32,
+    };
+    Window::of(level(size), [start.x(), start.y()], level(display.size))
 }
 
 /// Attributes under the names that OpenImageIO gives them.
@@ -99,7 +116,8 @@ pub fn write(
         .iter()
         .map(|(image, types)| to_layer(image, types, encoding))
         .collect::<Result<_, _>>()?;
-    let (width, height) = parts.first().map_or((0, 0), |(i, _)| (i.width, i.height));
+    let whole = parts.first().map(|(image, _)| image.place().window.whole);
+    let (width, height) = whole.map_or((0, 0), |whole| (whole.width, whole.height));
     let window = IntegerBounds::from_dimensions((width as usize, height as usize));
     exr::prelude::Image::from_layers(ImageAttributes::new(window), layers)
         .write()
@@ -146,6 +164,8 @@ fn to_layer(
         })
         .collect::<Result<_, String>>()?;
     let mut attributes = LayerAttributes::default();
+    let [x, y] = image.place().window.at;
+    attributes.layer_position = exr::math::Vec2(x, y);
     for a in &image.attributes {
         let (Some(name), Some(value)) = (Text::new_or_none(&a.name), to_exr(&a.value)) else {
             continue;
@@ -176,7 +196,7 @@ fn to_exr(value: &AttributeValue) -> Option<ExrValue> {
 mod reading {
     use super::*;
     use crate::image::Channel;
-    use crate::image::header::{Header, Level, Window};
+    use crate::image::header::Header;
     use std::ops::Range;
     use std::path::PathBuf;
 
@@ -271,15 +291,13 @@ mod reading {
             width: header.layer_size.width() as u32,
             height: header.layer_size.height() as u32,
         };
-        let display = header.shared_attributes.display_window;
-        let start = header.own_attributes.layer_position - display.position;
-        let whole = Level {
-            width: display.size.width() as u32,
-            height: display.size.height() as u32,
-        };
         Header {
             level,
-            window: Window::of(level, [start.x(), start.y()], whole),
+            window: window(
+                header.layer_size,
+                &header.shared_attributes,
+                &header.own_attributes,
+            ),
             channels: reading_order(&names)
                 .into_iter()
                 .map(|c| Channel::new(names[c]))

@@ -45,6 +45,42 @@ fn read_parts(path: &Path) -> Result<Vec<Image>, ImageError> {
     Ok(parts)
 }
 
+/// By our own reader and by an independent one, in lines and in tiles.
+#[test]
+fn an_exr_says_where_its_pixels_lie() {
+    use super::header::{Level, Window};
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.exr");
+    let whole = Level {
+        width: 300,
+        height: 200,
+    };
+    for at in [[17, 131], [0, 0], [233, 0], [-5, -7]] {
+        let mut image = noise(67, 41, &FILM, -3.0, 100.0);
+        image.window = Some(Window { at, whole });
+        for tiled in [false, true] {
+            let options = WriteOptions {
+                pixel_type: Some(PixelType::Float),
+                tiled,
+                ..Default::default()
+            };
+            write(&path, &image, &options).unwrap();
+            let back = read(&path).unwrap();
+            assert_eq!((back.window, &back.pixels), (image.window, &image.pixels));
+            let theirs = openexr::read_parts(&path).unwrap();
+            assert_eq!(theirs[0].window, image.window);
+            assert_eq!(theirs[0].pixels, image.pixels);
+        }
+    }
+    let tiff = dir.path().join("a.tif");
+    if cfg!(feature = "oiio") {
+        let mut image = noise(6, 4, &["R", "G", "B"], 0.0, 1.0);
+        image.window = Some(Window { at: [1, 1], whole });
+        write(&tiff, &image, &WriteOptions::default()).unwrap();
+        assert_eq!(read(&tiff).unwrap().window, None);
+    }
+}
+
 #[test]
 fn exr_returns_what_it_got_in_every_packing() {
     let dir = tempfile::tempdir().unwrap();

@@ -141,6 +141,7 @@ fn prepare(image: &Image, name: &str, format: Format, options: &WriteOptions) ->
     let mut out = Image {
         width: image.width,
         height: image.height,
+        window: image.window.filter(|_| format == Format::Exr),
         channels: keep.iter().map(chosen).collect(),
         pixels: Vec::new(),
         attributes,

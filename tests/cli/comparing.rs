@@ -204,3 +204,32 @@ fn pictures_of_eight_bits_are_compared_as_shown() {
         .run("compare b.png -r b.png --max-rmse 0 --max-flip 0 --min-ssim 1")
         .ok();
 }
+
+/// A crop is compared with the part of the whole where it lies, as an image or as the reference,
+/// and not with another part of it.
+#[test]
+fn crops_are_compared_where_they_lie() {
+    let place = Place::new();
+    let render = |words: &str| {
+        place
+            .run(&format!("render scene.xml --format float --spp 4 {words}"))
+            .ok();
+    };
+    render("-o all.exr");
+    render("-o part.exr --crop 3,5,20,17");
+    render("-o other.exr --crop 4,5,21,17");
+    render("-o beyond.exr --crop 4,5,22,17");
+    for words in [
+        "part.exr --reference all.exr",
+        "all.exr --reference part.exr",
+    ] {
+        place.run(&format!("compare {words} --json c.json")).ok();
+        let rmse = json(&place, "c.json")["images"][0]["rmse"].as_f64();
+        assert_eq!(rmse, Some(0.0), "{words}");
+    }
+    for other in ["other.exr", "beyond.exr"] {
+        place
+            .run(&format!("compare {other} --reference part.exr"))
+            .fails(2, &["different parts", "from 3,5 of 24 x 18", "--crop"]);
+    }
+}

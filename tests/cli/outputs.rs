@@ -2,6 +2,7 @@
 
 use super::support::{Place, read_channels, read_exr, wait};
 use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
 use std::process::Stdio;
 
 #[cfg(feature = "oiio")]
@@ -102,6 +103,42 @@ fn a_crop_holds_the_same_pixels_as_the_whole() {
         let (x, y) = (i % part_width + 3, i / part_width + 5);
         assert_eq!(*pixel, all[y * width + x], "{x},{y}");
     }
+}
+
+/// Data and display window: x, y, width, height.
+fn windows(path: &Path) -> [[i32; 4]; 2] {
+    let meta = exr::prelude::MetaData::read_from_file(path, false).unwrap();
+    let header = &meta.headers[0];
+    let (data, display) = (
+        header.own_attributes.layer_position,
+        header.shared_attributes.display_window,
+    );
+    let of = |x: i32, y: i32, size: exr::math::Vec2<usize>| {
+        [x, y, size.width() as i32, size.height() as i32]
+    };
+    [
+        of(data.x(), data.y(), header.layer_size),
+        of(display.position.x(), display.position.y(), display.size),
+    ]
+}
+
+/// With all layers, in one piece or merged, a crop says where in the picture it lies.
+#[test]
+fn a_crop_has_the_window_of_its_place() {
+    let place = Place::new();
+    let crop = "render scene.xml --crop 3,5,20,17 --spp 2 --aov all";
+    place.run(&format!("{crop} -o part.exr")).ok();
+    let expected = [[3, 5, 17, 12], [0, 0, 24, 18]];
+    assert_eq!(windows(&place.path("part.exr")), expected);
+    for i in 0..2 {
+        place.run(&format!("{crop} --shard {i}/2 -o {i}.exr")).ok();
+    }
+    place.run("merge 0.exr 1.exr --aov all -o merged.exr").ok();
+    assert_eq!(windows(&place.path("merged.exr")), expected);
+    let of = |name: &str| read_channels(&place.path(name));
+    assert!(of("merged.exr") == of("part.exr"));
+    place.run("render scene.xml --spp 1 -o all.exr").ok();
+    assert_eq!(windows(&place.path("all.exr")), [[0, 0, 24, 18]; 2]);
 }
 
 #[test]

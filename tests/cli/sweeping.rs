@@ -208,6 +208,15 @@ fn a_dry_run_prints_the_commands_and_makes_nothing() {
     assert!(ran.out.lines().count() > 60);
     assert!(ran.out.lines().all(|l| l.contains("--max-depth 3")));
     assert_eq!(place.files(), before);
+    // A crop as the reference: the runs are of the same part of the whole.
+    place
+        .run("render scene.xml -o crop.exr --width 48 --spp 1 --crop 6,10,40,34")
+        .ok();
+    let ran = place
+        .run("sweep scene.xml --reference crop.exr --dry-run")
+        .ok();
+    let words = "--width 48 --height 36 --crop 6,10,40,34 ";
+    assert!(ran.out.lines().all(|l| l.contains(words)), "{}", ran.out);
 }
 
 #[test]

@@ -137,6 +137,7 @@ fn write_the_corpus() {
             settings: vec![("spp".into(), "4".into())],
         },
         region: [0, 0, 4, 3],
+        frame: None,
         goal: Some(4),
         shard: Shard::ALL,
         origin: Origin::default(),

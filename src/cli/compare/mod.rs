@@ -9,8 +9,10 @@ use super::{Failure, console, output, targets};
 use crate::image::file::ImageFile;
 use crate::image::metrics::blocks::KnownNoise;
 use crate::image::metrics::{Pair, errors, fireflies, flip, ssim, ztest};
+use crate::image::windows::same_part;
 use crate::image::{self, Image, PixelType};
 use crate::report::compare::{Comparison, ImageErrors, Z};
+use std::borrow::Cow;
 use std::path::Path;
 
 /// Compares, prints the table, writes what was asked for.
@@ -39,7 +41,15 @@ pub fn run(args: &CompareArgs) -> Result<(), Failure> {
     };
     for path in &args.images {
         let image = image::read_linear(path)?;
-        let pair = pair(path, &image, &args.reference, &reference)?;
+        let (image, reference) =
+            same_part(&image, &reference).map_err(|e| incomparable(path, &args.reference, &e))?;
+        for cut in [&image, &reference] {
+            if let Cow::Owned(part) = cut {
+                tracing::info!("{}: compared are {}", path.display(), part.place());
+            }
+        }
+        let pair =
+            Pair::new(&image, &reference).map_err(|e| incomparable(path, &args.reference, &e))?;
         report.reference_not_finite = pair.reference_not_finite();
         let (errors, flip) = measure(path, &pair, args, report.flip_kind);
         let z = z_test(&pair, &image, &reference);
@@ -83,17 +93,12 @@ fn flip_kind(reference: &Path) -> Result<&'static str, Failure> {
     })
 }
 
-fn pair(path: &Path, image: &Image, at: &Path, reference: &Image) -> Result<Pair, Failure> {
-    Pair::new(image, reference).map_err(|e| {
-        Failure::wrong(
-            format!(
-                "{} cannot be compared with {}: {e}",
-                path.display(),
-                at.display()
-            ),
-            "render both at the same --width and --crop",
-        )
-    })
+fn incomparable(path: &Path, reference: &Path, why: &dyn std::error::Error) -> Failure {
+    let (image, reference) = (path.display(), reference.display());
+    Failure::wrong(
+        format!("{image} cannot be compared with {reference}: {why}"),
+        "render both at the same --width and --crop",
+    )
 }
 
 /// All numbers but the z-test, and the map of FLIP errors.

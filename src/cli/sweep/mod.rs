@@ -22,6 +22,7 @@ use super::load::Input;
 use super::waiting::Waiting;
 use super::{Failure, console, load, output, targets};
 use crate::image::Image;
+use crate::image::windows::Place;
 use crate::report::sweep::analysis::Findings;
 use crate::report::sweep::pictures::Pictures;
 use crate::report::sweep::{Reference, Setting, Sweep};
@@ -147,17 +148,22 @@ fn common_words(args: &SweepArgs, subject: &Subject, threads: Option<u16>) -> Ve
     if args.scene.read.lenient {
         words.push("--lenient".into());
     }
-    let size = (subject.reference.width, subject.reference.height);
+    let Place { size, window } = subject.reference.place();
     let sized = args.render.iter().any(|w| {
         let sizes = ["--width", "--height", "--crop"];
         sizes
             .iter()
             .any(|s| w == s || w.starts_with(&format!("{s}=")))
     });
-    if !sized && size != subject.size {
-        let numbers = [size.0, size.1].map(|n| n.to_string());
-        let [width, height] = numbers;
+    let whole = (window.whole.width, window.whole.height);
+    if !sized && whole != subject.size {
+        let [width, height] = [whole.0, whole.1].map(|n| n.to_string());
         words.extend(["--width".into(), width, "--height".into(), height]);
+    }
+    if !sized && subject.reference.window.is_some() {
+        let [x, y] = window.at.map(i64::from);
+        let (x1, y1) = (x + i64::from(size.width), y + i64::from(size.height));
+        words.extend(["--crop".into(), format!("{x},{y},{x1},{y1}")]);
     }
     words.extend(args.render.iter().cloned());
     if let Some(threads) = threads {

@@ -77,6 +77,9 @@ pub struct Record {
     pub identity: Identity,
     /// The rendered region on the full film: x0, y0, x1, y1.
     pub region: [u32; 4],
+    /// Width and height of the full film; parts of older programs do not tell.
+    #[serde(default)]
+    pub frame: Option<[u32; 2]>,
     /// Samples a pixel that were asked for; `None` where time or noise ends the render.
     pub goal: Option<u64>,
     /// The share of the film that was asked for.

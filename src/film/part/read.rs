@@ -168,7 +168,9 @@ fn parse(text: &str) -> Result<Record, String> {
     let record = stored.record;
     let [x0, y0, x1, y1] = record.region;
     let shard = record.shard;
-    if x0 >= x1 || y0 >= y1 || x1.max(y1) > MAX_SIDE || shard.index >= shard.count {
+    let [width, height] = record.frame.unwrap_or([x1, y1]);
+    let is_inside = x1 <= width && y1 <= height && width.max(height) <= MAX_SIDE;
+    if x0 >= x1 || y0 >= y1 || !is_inside || shard.index >= shard.count {
         return Err("the part is damaged: its record makes no film".into());
     }
     Ok(record)

@@ -41,6 +41,7 @@ fn record(shard: Shard) -> Record {
             settings: vec![pair("--seed", "7"), pair("--crop", "None")],
         },
         region: [3, 5, 55, 41],
+        frame: Some([100, 90]),
         goal: Some(u64::MAX),
         shard,
         origin: Origin {

@@ -45,6 +45,10 @@ pub struct RawPart {
     pub tile: i32,
     pub attributes: *const Attribute,
     pub attribute_count: i32,
+    pub x: i32,
+    pub y: i32,
+    pub full_width: i32,
+    pub full_height: i32,
     pub pixels: *const f32,
 }
 

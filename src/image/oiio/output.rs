@@ -1,6 +1,7 @@
 //! Writing through OpenImageIO's `ImageOutput`.
 
 use super::{Reason, c_path, c_text, ffi, type_number};
+use crate::image::header::Window;
 use crate::image::{Attribute, AttributeValue, Image, PixelType};
 use std::ffi::{CString, c_char};
 use std::path::Path;
@@ -84,6 +85,7 @@ pub fn write(path: &Path, format: &str, parts: &[ImagePart]) -> Result<(), Strin
     let held: Vec<Held> = parts.iter().map(Held::new).collect();
     let mut raw = Vec::with_capacity(parts.len());
     for (part, held) in parts.iter().zip(&held) {
+        let Window { at, whole } = part.image.place().window;
         raw.push(ffi::RawPart {
             width: int(part.image.width as usize)?,
             height: int(part.image.height as usize)?,
@@ -93,6 +95,10 @@ pub fn write(path: &Path, format: &str, parts: &[ImagePart]) -> Result<(), Strin
             tile: int(part.tile as usize)?,
             attributes: held.attributes.as_ptr(),
             attribute_count: int(held.attributes.len())?,
+            x: at[0],
+            y: at[1],
+            full_width: int(whole.width as usize)?,
+            full_height: int(whole.height as usize)?,
             pixels: part.image.pixels.as_ptr(),
         });
     }
