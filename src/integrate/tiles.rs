@@ -70,14 +70,18 @@ impl<'a> Job<'a> {
         self.given_up.load(Ordering::Relaxed)
     }
 
+    /// Whether the time is up.
+    pub(super) fn is_late(&self) -> bool {
+        let late = |at: Instant| Instant::now() >= at + self.observer.time_aside();
+        self.time_is_up.is_some_and(late)
+    }
+
     /// Whether to give up a wave whose paths go on after so many edges.
     fn gives_up(&self, edges: u32) -> bool {
         if edges >= VERY_LONG {
             self.observer.path_is_long(edges);
         }
-        let aside = || self.observer.time_aside();
-        let late = |at: Instant| Instant::now() >= at + aside();
-        let ends = self.observer.should_stop() || self.time_is_up.is_some_and(late);
+        let ends = self.observer.should_stop() || self.is_late();
         if ends && !self.given_up.swap(true, Ordering::Relaxed) {
             self.observer.gave_up();
         }
@@ -98,9 +102,10 @@ impl<'a> Job<'a> {
         }
     }
 
-    /// Takes the samples of every pixel up to `end`. `false` if the observer stopped or paused it
-    /// before all tiles were there.
-    pub(super) fn pass(&self, film: &mut Film, end: u64) -> bool {
+    /// Takes the samples of every pixel up to `end`. With `in_time`, tiles that have samples get no
+    /// more once the time is up. `false` if that, or the observer, stopped or paused it before all
+    /// tiles were there.
+    pub(super) fn pass(&self, film: &mut Film, end: u64, in_time: bool) -> bool {
         film.tiles_mut()
             .par_iter_mut()
             .enumerate()
@@ -112,6 +117,9 @@ impl<'a> Job<'a> {
                 }
                 let observer = self.observer;
                 if observer.should_stop() || observer.should_pause() || self.has_given_up() {
+                    return;
+                }
+                if in_time && tile.done > 0 && self.is_late() {
                     return;
                 }
                 let part = self.iteration.part(range, number);
