@@ -6,6 +6,7 @@
 //! Standard error may be closed, full, or a terminal that has gone. What cannot be written is lost
 //! then, and nothing else: no render ends because nobody listens.
 
+use super::bar;
 use clap::{Args, ValueEnum};
 use indicatif::{MultiProgress, ProgressDrawTarget, TermLike};
 use std::fmt::Write as _;
@@ -92,6 +93,14 @@ impl Console {
     /// Whether standard error is a terminal that can show a bar.
     pub fn has_terminal(&self) -> bool {
         has_terminal()
+    }
+
+    /// Tells something at the end, in lines that fit a terminal.
+    pub fn tell(&self, sentence: &str) {
+        match self.has_terminal() {
+            true => tracing::info!("{}", bar::folded(sentence, bar::columns())),
+            false => tracing::info!("{sentence}"),
+        }
     }
 
     /// Takes the bars away before the program ends. Waits for a moment only: whoever draws at them

@@ -48,6 +48,7 @@ pub mod preview;
 pub mod progress;
 pub mod quality;
 pub mod ray_args;
+mod remaining;
 pub mod render;
 pub mod render_args;
 pub mod scene_args;

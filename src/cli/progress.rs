@@ -1,13 +1,15 @@
 //! How far a render is: a bar on a terminal, lines elsewhere.
 
-use super::bar::{BAR_INTERVAL, LONGEST_SILENCE, STEPS, bar, fitting};
+use super::bar::{BAR_INTERVAL, LONGEST_SILENCE, Part, columns, drawn, fitting, line};
 use super::console::Console;
 use super::error_track::ErrorTrack;
 use super::finish::Done;
 use super::interrupt::Interrupt;
 use super::preview::Tev;
+use super::remaining::{Goal, History, Mark};
+use super::waiting::Waiting;
 use crate::film::{Film, Noise};
-use crate::integrate::progress::{Limits, Observer, Progress, Spent};
+use crate::integrate::progress::{Learning, Limits, Observer, Progress, Spent};
 use crate::report::words;
 use indicatif::ProgressBar;
 use std::sync::Mutex;
@@ -20,6 +22,7 @@ const SHORTEST_SILENCE: Duration = Duration::from_secs(1);
 /// Watches a render for the person who waits.
 pub struct Watch<'a> {
     interrupt: &'a Interrupt,
+    console: &'a Console,
     done: &'a Done<'a>,
     track: Option<&'a ErrorTrack>,
     /// Time and samples of earlier goes.
@@ -41,11 +44,33 @@ enum Display {
     Lines,
 }
 
-/// What was shown last.
+/// What was shown last, and what the passes have told.
 struct Shown {
     at: Instant,
     tenths: u64,
     noise: Option<Noise>,
+    history: History,
+    aside: Aside,
+}
+
+/// Time that is not spent on drawing.
+#[derive(Default)]
+struct Aside {
+    /// In all, what is under way left out.
+    taken: Duration,
+    /// What is under way, and since when.
+    since: Option<(Learning, Instant)>,
+    /// Tells of that.
+    waiting: Option<Waiting>,
+}
+
+impl Aside {
+    fn time(&self) -> Duration {
+        self.taken
+            + self
+                .since
+                .map_or(Duration::ZERO, |(_, since)| since.elapsed())
+    }
 }
 
 impl<'a> Watch<'a> {
@@ -53,7 +78,7 @@ impl<'a> Watch<'a> {
     /// it has taken already.
     pub fn start(
         interrupt: &'a Interrupt,
-        console: &Console,
+        console: &'a Console,
         limits: Limits,
         film: &Film,
         preview: Option<Tev>,
@@ -62,23 +87,27 @@ impl<'a> Watch<'a> {
         let display = match (console.shows_progress(), console.has_terminal()) {
             (false, _) => Display::Nothing,
             (true, false) => Display::Lines,
-            (true, true) => Display::Bar(console.bars().add(bar())),
+            (true, true) => Display::Bar(console.bars().add(line())),
         };
         let start = Instant::now();
+        let (samples, pixels) = (film.samples_done(), film.held_pixels().max(1));
         Self {
             interrupt,
+            console,
             done,
             track: None,
-            before: (before, film.samples_done()),
+            before: (before, samples),
             limits,
-            pixels: film.held_pixels().max(1),
+            pixels,
             start,
-            samples: AtomicU64::new(film.samples_done()),
+            samples: AtomicU64::new(samples),
             display,
             shown: Mutex::new(Shown {
                 at: start,
                 tenths: 0,
                 noise: None,
+                history: History::from(samples as f64 / pixels as f64),
+                aside: Aside::default(),
             }),
             preview: Mutex::new(preview),
             long_paths: AtomicBool::new(false),
@@ -123,47 +152,72 @@ impl<'a> Watch<'a> {
         if silence < shortest {
             return;
         }
-        let samples = self.samples.load(Ordering::Relaxed);
-        let elapsed = self.before.0 + self.start.elapsed();
-        let fraction = fraction_done(&self.limits, self.pixels, samples, elapsed, shown.noise);
-        let tenths = (fraction * 10.0) as u64;
-        let text = self.sentence(samples, elapsed, fraction, shown.noise);
+        let now = self.mark(&shown);
+        let elapsed = self.before.0.as_secs_f64() + self.seconds();
+        let left = shown.history.left(&self.goal(), now, elapsed);
+        let done = left.map_or(0.0, |left| elapsed / (elapsed + left));
+        let tenths = (done * 10.0) as u64;
+        let parts = self.parts(now.spp, shown.noise, left);
         match &self.display {
-            Display::Bar(bar) => {
-                bar.set_message(fitting(text));
-                bar.set_position((fraction * STEPS as f64) as u64);
+            Display::Bar(bar) => bar.set_message(drawn(done, &parts, columns())),
+            _ if tenths <= shown.tenths && silence < LONGEST_SILENCE => return,
+            _ => {
+                let text = fitting(&parts, usize::MAX);
+                tracing::info!("{:>3.0} %  {text}", (done * 100.0).floor());
             }
-            _ if tenths == shown.tenths && silence < LONGEST_SILENCE => return,
-            _ => tracing::info!("{:>3.0} %  {text}", (fraction * 100.0).floor()),
         }
         shown.at = Instant::now();
         shown.tenths = tenths;
     }
 
-    fn sentence(
-        &self,
-        samples: u64,
-        elapsed: Duration,
-        fraction: f64,
-        noise: Option<Noise>,
-    ) -> String {
-        let seconds = elapsed.as_secs_f64();
-        let rate = (samples - self.before.1) as f64 / self.start.elapsed().as_secs_f64();
-        let spp = samples as f64 / self.pixels as f64;
+    /// Seconds of this go, what measuring errors took left out.
+    fn seconds(&self) -> f64 {
+        let aside = self.time_aside();
+        self.start.elapsed().saturating_sub(aside).as_secs_f64()
+    }
+
+    /// What the render has come to.
+    fn mark(&self, shown: &Shown) -> Mark {
+        Mark {
+            spp: self.samples.load(Ordering::Relaxed) as f64 / self.pixels as f64,
+            drawing: (self.seconds() - shown.aside.time().as_secs_f64()).max(0.0),
+            noise: shown.noise.map(|noise| f64::from(noise.at_most())),
+        }
+    }
+
+    fn goal(&self) -> Goal {
+        let Limits { spp, time, noise } = self.limits;
+        Goal {
+            spp: if spp < u64::MAX {
+                spp as f64
+            } else {
+                f64::INFINITY
+            },
+            seconds: time.map(|time| time.as_secs_f64()),
+            noise: noise.map(f64::from),
+        }
+    }
+
+    /// What there is to say.
+    fn parts(&self, spp: f64, noise: Option<Noise>, left: Option<f64>) -> Vec<Part> {
+        let samples = self.samples.load(Ordering::Relaxed) - self.before.1;
+        let rate = samples as f64 / self.start.elapsed().as_secs_f64();
         let decimals = usize::from(spp < 99.95);
-        let mut text = format!("{spp:.decimals$}");
-        if self.limits.spp < u64::MAX {
-            text += &format!("/{}", self.limits.spp);
-        }
-        text += &format!(" spp  {} samples/s", words::count(rate));
+        let limit = match self.limits.spp {
+            u64::MAX => String::new(),
+            limit => format!("/{limit}"),
+        };
+        let mut parts = vec![
+            Part::new(1, format!("{spp:.decimals$}{limit} spp")),
+            Part::new(3, format!("{} samples/s", words::count(rate))),
+        ];
         if let Some(noise) = noise {
-            text += &format!("  noise {:.4}", noise.value);
+            let target = self.limits.noise.map(|target| format!(" of {target}"));
+            let target = target.unwrap_or_default();
+            parts.push(Part::new(2, format!("noise {:.4}{target}", noise.value)));
         }
-        if fraction > 0.0 {
-            let left = seconds * (1.0 - fraction) / fraction;
-            text += &format!("  {} left", words::time(left));
-        }
-        text
+        parts.extend(left.map(|left| Part::new(0, format!("{} left", words::time(left)))));
+        parts
     }
 }
 
@@ -171,6 +225,17 @@ impl Observer for Watch<'_> {
     fn pass_done(&self, progress: &Progress, film: &Film) {
         if let Ok(mut shown) = self.shown.lock() {
             shown.noise = progress.noise;
+            let mark = self.mark(&shown);
+            shown.history.add(mark);
+            let lessons = shown.history.lessons;
+            tracing::debug!(
+                "{:.0} spp: drawn in {:.2} s, the last lesson {:.2} s, taught {:.3}, {:.2} s aside",
+                mark.spp,
+                mark.drawing,
+                lessons.seconds,
+                lessons.share,
+                shown.aside.taken.as_secs_f64()
+            );
         }
         self.show();
         self.show_image(film, false);
@@ -182,6 +247,40 @@ impl Observer for Watch<'_> {
     fn tile_done(&self, samples: u64) {
         self.samples.fetch_add(samples, Ordering::Relaxed);
         self.show();
+    }
+
+    fn learns(&self, how: Learning) {
+        let waiting = match how {
+            Learning::Paths | Learning::Photons => Waiting::for_learning(self.console, None),
+            Learning::Trial => Waiting::start(self.console, |seconds| {
+                format!("trying whether guiding pays, {}", words::time(seconds))
+            }),
+        };
+        if let Ok(mut shown) = self.shown.lock() {
+            shown.aside.since = Some((how, Instant::now()));
+            shown.aside.waiting = Some(waiting);
+        }
+    }
+
+    fn draws(&self, learned: f64) {
+        let Ok(mut shown) = self.shown.lock() else {
+            return;
+        };
+        if let Some((how, since)) = shown.aside.since.take() {
+            let took = since.elapsed();
+            shown.aside.taken += took;
+            // Photons and trials come once: they tell nothing of the lessons to come.
+            if how == Learning::Paths {
+                let lessons = &mut shown.history.lessons;
+                lessons.seconds = took.as_secs_f64();
+                lessons.gain = learned - lessons.share;
+            }
+        }
+        shown.history.lessons.share = learned;
+        // Its thread has to see that it is over: nobody else is to wait for that.
+        let waiting = shown.aside.waiting.take();
+        drop(shown);
+        drop(waiting);
     }
 
     fn should_stop(&self) -> bool {
@@ -222,50 +321,5 @@ impl Observer for Watch<'_> {
         if let Err(e) = checkpoint.save(spent, film) {
             tracing::warn!("no checkpoint: {e}; rendering goes on");
         }
-    }
-}
-
-/// Which part of the work is done, by the limit that will be reached first. The error of a mean
-/// falls with the root of the samples, so noise tells the part by its square.
-fn fraction_done(
-    limits: &Limits,
-    pixels: u64,
-    samples: u64,
-    elapsed: Duration,
-    noise: Option<Noise>,
-) -> f64 {
-    let by_samples = samples as f64 / (pixels as f64 * limits.spp as f64);
-    let by_time = limits
-        .time
-        .map_or(0.0, |t| elapsed.as_secs_f64() / t.as_secs_f64());
-    let by_noise = match (limits.noise, noise) {
-        (Some(target), Some(noise)) => f64::from(target / noise.at_most()).powi(2),
-        _ => 0.0,
-    };
-    by_samples.max(by_time).max(by_noise).min(1.0)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_limit_that_comes_first_tells_how_far_things_are() {
-        let limits = |spp, time, noise| Limits { spp, time, noise };
-        let done = |limits: Limits, noise: Option<f32>| {
-            let noise = noise.map(|value| Noise {
-                value,
-                error: 0.0,
-                worst: 0.0,
-            });
-            fraction_done(&limits, 100, 1000, Duration::from_secs(30), noise)
-        };
-        let minute = Some(Duration::from_secs(60));
-        assert_eq!(done(limits(40, None, None), None), 0.25);
-        assert_eq!(done(limits(40, minute, None), None), 0.5);
-        assert_eq!(done(limits(40, minute, Some(0.5)), None), 0.5);
-        assert_eq!(done(limits(40, minute, Some(0.5)), Some(0.5)), 1.0);
-        assert_eq!(done(limits(u64::MAX, None, Some(0.5)), Some(1.0)), 0.25);
-        assert_eq!(done(limits(5, None, None), None), 1.0);
     }
 }

@@ -18,7 +18,7 @@ use super::{Failure, frames, invalid, learning, settings, threads, view};
 use crate::camera::Camera;
 use crate::film::Film;
 use crate::integrate::View;
-use crate::integrate::progress::{Limits, Spent, StoppedBy, Summary};
+use crate::integrate::progress::{Limits, MIN_SPP_FOR_NOISE, PASS_SPP, Spent, StoppedBy, Summary};
 use crate::integrate::render::resume;
 use crate::integrate::training::Learner;
 use crate::report::stats::Stats;
@@ -170,14 +170,15 @@ fn render(
     stats.field = guiding.learner.as_ref().map(Learner::stats);
     stats.learning_memory_bytes = guiding.learner.as_ref().map_or(0, Learner::peak_bytes);
     stats.trial = guiding.learner.as_ref().and_then(Learner::verdict);
-    tracing::info!("{}", stats.sentence());
+    console.tell(&stats.sentence());
     if summary.noise.is_some_and(|noise| !noise.is_reliable()) {
-        tracing::info!(
-            "the true noise may be larger: a few pixels have most of it, by light that others still miss"
+        console.tell(
+            "the true noise may be larger: a few pixels have most of it, by light that others still \
+             miss",
         );
     }
     if let Some(sentence) = stats.error_sentence() {
-        tracing::info!("{sentence}");
+        console.tell(&sentence);
     }
     invalid::warn(&film);
     if args.frames.is_some() && summary.stopped_by == StoppedBy::Interrupt {
@@ -264,6 +265,12 @@ fn trace(
         threads::count()
     );
     let limits = setting.limits;
+    if let Some(noise) = limits.noise {
+        console.tell(&format!(
+            "stops at a noise of {noise}: after each pass of up to {PASS_SPP} samples a pixel, from \
+             {MIN_SPP_FOR_NOISE} on, the variance among a pixel's samples tells the noise and its error"
+        ));
+    }
     let goes = (done, setting.before.time);
     interrupt.be_patient();
     let watch = Watch::start(interrupt, console, limits, film, preview, goes);

@@ -4,10 +4,10 @@ use crate::film::{Film, Noise};
 use std::time::Duration;
 
 /// Below this many samples a pixel's own variance is not to be trusted.
-const MIN_SPP_FOR_NOISE: u64 = 16;
+pub const MIN_SPP_FOR_NOISE: u64 = 16;
 
 /// Most samples a pixel takes in one pass: the interval between looks at the clock.
-pub(super) const PASS_SPP: u64 = 64;
+pub const PASS_SPP: u64 = 64;
 
 /// When to stop: whichever comes first.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,6 +58,17 @@ pub struct Progress {
     pub noise: Option<Noise>,
 }
 
+/// What a render does between passes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Learning {
+    /// It learns from camera paths that were drawn.
+    Paths,
+    /// It learns from photons.
+    Photons,
+    /// It tries whether guiding pays.
+    Trial,
+}
+
 /// Who watches a render. Called from the rendering threads between passes.
 pub trait Observer: Sync {
     /// A pass over the whole film is done.
@@ -72,6 +83,14 @@ pub trait Observer: Sync {
     /// [`Observer::paused`] sees a film that nobody is at. It then goes on where it was.
     fn should_pause(&self) -> bool {
         false
+    }
+    /// Nothing is drawn from now on.
+    fn learns(&self, how: Learning) {
+        let _ = how;
+    }
+    /// It goes on drawing. So much of what is to be learned from camera paths is known, from 0 to 1.
+    fn draws(&self, learned: f64) {
+        let _ = learned;
     }
     /// A path goes on after so many edges. Called from many threads at once, and more than once.
     fn path_is_long(&self, edges: u32) {

@@ -136,6 +136,22 @@ impl Schedule {
         Some(batch)
     }
 
+    /// Photons in all, as things look: with batches that cost what those so far did, and teach
+    /// something. `None` where none has told yet.
+    pub fn expected(&self) -> Option<u64> {
+        if let Budget::Exactly { photons, .. } = self.budget {
+            return Some(photons);
+        }
+        let mut to_come = self.clone();
+        while self.work > 0.0 && !to_come.has_ended() {
+            to_come.next += to_come.size;
+            to_come.size *= 2;
+            to_come.work *= 2.0;
+            to_come.elapsed *= 2;
+        }
+        (self.work > 0.0).then_some(to_come.next)
+    }
+
     /// Lets batches take this share of the render, its work and its time, in all.
     pub fn open(&mut self, share: f64) {
         self.share = share;
@@ -287,6 +303,34 @@ mod tests {
         assert!(ends[0] <= 0.02 && 2.0 * ends[0] > 0.02, "{ends:?}");
         assert_eq!(ends[1], ends[0]);
         assert!(ends[2] <= 0.12 && 2.0 * ends[2] > 0.12, "{ends:?}");
+    }
+
+    /// From the first batch on, the number is foretold: to a batch, for each is as large as all
+    /// before it.
+    #[test]
+    fn the_number_of_photons_is_foretold() {
+        for samples in [1000, 1 << 20, 1 << 24, u64::MAX] {
+            let budget = Budget::AsNeeded {
+                samples,
+                time: None,
+            };
+            let mut schedule = Schedule::new(budget);
+            assert_eq!(schedule.expected(), None);
+            let mut foretold = Vec::new();
+            while let Some(batch) = schedule.next_batch() {
+                schedule.learned(lands(2, 1.0)(batch));
+                foretold.extend(schedule.expected());
+            }
+            let made = schedule.next as f64;
+            let right = |n: &u64| (0.49..2.1).contains(&(*n as f64 / made));
+            assert!(foretold.iter().all(right), "{made}: {foretold:?}");
+            assert_eq!(schedule.expected(), Some(schedule.next));
+        }
+        let exactly = Schedule::new(Budget::Exactly {
+            photons: 5000,
+            batches: 4,
+        });
+        assert_eq!(exactly.expected(), Some(5000));
     }
 
     #[test]

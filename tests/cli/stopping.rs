@@ -38,7 +38,7 @@ fn noise_stops_a_render() {
     let ran = place
         .run("render scene.xml -o a.exr --noise 0.05 --stats s.json")
         .ok();
-    ran.says(&["clean enough"]);
+    ran.says(&["stops at a noise of 0.05", "clean enough"]);
     let stats = stats(&place);
     assert_eq!(stats["stopped_by"], "noise");
     assert!(stats["noise"].as_f64().unwrap() <= 0.05, "{stats}");

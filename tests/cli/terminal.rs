@@ -2,6 +2,7 @@
 
 use super::support::{Place, Ran, signal, wait};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+use rustix::termios::{Winsize, tcsetwinsize};
 use std::fs::File;
 use std::io::Read;
 use std::process::{Child, Command, Stdio};
@@ -31,6 +32,17 @@ impl Terminal {
             master: master.into(),
             child,
         }
+    }
+
+    /// Makes it so many columns wide.
+    fn resize(&self, columns: u16) {
+        let size = Winsize {
+            ws_row: 24,
+            ws_col: columns,
+            ws_xpixel: 0,
+            ws_ypixel: 0,
+        };
+        tcsetwinsize(&self.master, size).unwrap();
     }
 
     /// What it shows until that is in it.
@@ -112,7 +124,7 @@ fn a_terminal_that_goes_away_leaves_a_checkpoint() {
         let place = Place::new();
         let words = "render scene.xml -o a.exr --spp 1000000000 --checkpoint 60s";
         let mut terminal = Terminal::start(&place, words, "xterm");
-        terminal.until("samples/s");
+        terminal.until(" left");
         let Terminal { master, child } = terminal;
         drop(master);
         // The next lines and bars go nowhere.
@@ -185,12 +197,37 @@ fn a_bar_fits_80_columns_and_is_gone_in_the_end() {
     assert_nothing_left(&text);
 }
 
+/// Bars and the last sentences, also in a terminal that gets narrower.
+#[test]
+fn lines_fit_narrow_terminals() {
+    let place = Place::new();
+    let words = "render scene.xml -o a.exr --time 3s --guide none";
+    let mut terminal = Terminal::start(&place, words, "xterm");
+    terminal.resize(44);
+    terminal.until("spp");
+    let wide = terminal.until("left");
+    terminal.resize(30);
+    // What was drawn at the moment of the change.
+    std::thread::sleep(Duration::from_millis(500));
+    let mut bytes = [0; 1 << 16];
+    let _ = terminal.master.read(&mut bytes).unwrap();
+    let (narrow, ran) = terminal.rest();
+    assert_eq!(ran.code, Some(0), "{narrow}");
+    for (text, columns) in [(wide, 44), (narrow, 30)] {
+        let lines = plain(&text);
+        assert!(lines.iter().any(|line| line.contains(" left")), "{text}");
+        for line in lines.iter().filter(|line| !line.contains("wrote")) {
+            assert!(line.chars().count() <= columns, "{columns}: {line}");
+        }
+    }
+}
+
 #[test]
 fn nothing_of_the_bar_is_left_by_ctrl_c() {
     let place = Place::new();
     let words = "render scene.xml -o a.exr --spp 1000000000";
     let mut terminal = Terminal::start(&place, words, "xterm");
-    let mut text = terminal.until("samples/s");
+    let mut text = terminal.until(" left");
     signal(&terminal.child, "INT");
     let (rest, ran) = terminal.rest();
     text += &rest;

@@ -5,9 +5,10 @@ use super::child::{self, Outcome};
 use super::schedule::{file, order, words_of};
 use super::state;
 use crate::cli::Failure;
+use crate::cli::bar::Part;
 use crate::cli::console::Console;
 use crate::cli::interrupt::Interrupt;
-use crate::cli::waiting::Waiting;
+use crate::cli::waiting::{Said, Waiting};
 use crate::report::sweep::{Configuration, Run, Sweep};
 use crate::report::words;
 use std::time::{Duration, Instant};
@@ -66,7 +67,12 @@ pub fn go_through(
                 true => hangs.min(left.as_secs_f64() + OVER_BUDGET * args.budget.as_secs_f64()),
                 false => hangs,
             };
-            let (outcome, run) = make(sweep, args, watch, (configuration, round), longest);
+            let times = Times {
+                expected: expected(sweep, configuration),
+                longest,
+                left: left.as_secs_f64(),
+            };
+            let (outcome, run) = make(sweep, args, watch, (configuration, round), times);
             match outcome {
                 Outcome::Interrupted => return Ok(Ended::Interrupted),
                 // It was the budget that ended it: the next go tries it again.
@@ -82,14 +88,24 @@ pub fn go_through(
     Ok(Ended::Complete)
 }
 
-/// Makes one run, which is ended after `longest` seconds. What came of it, and its entry in the
-/// report.
+/// Seconds of a run.
+#[derive(Clone, Copy)]
+struct Times {
+    /// That it will take.
+    expected: f64,
+    /// After which it is ended.
+    longest: f64,
+    /// That are left of the budget when it begins.
+    left: f64,
+}
+
+/// Makes one run. What came of it, and its entry in the report.
 fn make(
     sweep: &Sweep,
     args: &SweepArgs,
     (console, interrupt): Watch,
     (configuration, round): (&Configuration, u32),
-    longest: f64,
+    times: Times,
 ) -> (Outcome, Run) {
     let words = words_of(&sweep.setting, args, configuration, round);
     let stats = file(args, configuration, "json");
@@ -97,9 +113,10 @@ fn make(
     let total = total(sweep);
     let start = Instant::now();
     let waiting = Waiting::start(console, move |seconds| {
-        let (round, time) = (round + 1, words::time(seconds));
-        format!("{number}/{total}  {name}, round {round}, runs: {time}")
+        let name = format!("{number}/{total}  {name}, round {}", round + 1);
+        runs_now(name, seconds, times)
     });
+    let longest = times.longest;
     let limit = Duration::from_secs_f64(longest);
     let outcome = child::run(&words, &stats, limit, interrupt);
     drop(waiting);
@@ -121,6 +138,25 @@ fn make(
         stats,
     };
     (outcome, run)
+}
+
+/// What is said while a run goes on.
+fn runs_now(name: String, seconds: f64, times: Times) -> Said {
+    let left = words::time((times.left - seconds).max(0.0));
+    let parts = vec![
+        Part::new(0, name),
+        Part::new(
+            1,
+            format!(
+                "runs {} of about {}",
+                words::time(seconds),
+                words::time(times.expected)
+            ),
+        ),
+        Part::new(2, format!("{left} of the budget left")),
+    ];
+    let share = seconds / times.expected.max(1e-3);
+    Said::new(Some(share.min(1.0)), parts)
 }
 
 /// Runs of the whole plan.

@@ -152,6 +152,14 @@ impl Learner {
         self.taught < self.settings.paths && self.worthwhile_guide().is_some()
     }
 
+    /// Which share of its camera paths have taught; all of them where no more are wanted.
+    pub fn share_learned(&self) -> f64 {
+        match self.wants_more() {
+            true => self.taught as f64 / self.settings.paths as f64,
+            false => 1.0,
+        }
+    }
+
     /// Whether camera paths teach it.
     pub fn has_taken_paths(&self) -> bool {
         self.taught > 0

@@ -16,7 +16,7 @@ pub mod record;
 mod settings;
 pub mod trial;
 
-pub use count::traced;
+pub use count::{expected, traced};
 pub use learner::{Learned, Learner, garbage, garbage_sd_tree, learn};
 pub(super) use passes::train_passes;
 pub use settings::LearnSettings;

@@ -13,7 +13,7 @@ use crate::integrate::adaptive::{self, Survey};
 use crate::integrate::camera_sample::Iteration;
 use crate::integrate::context::PathContext;
 use crate::integrate::guiding::Guidance;
-use crate::integrate::progress::{Limits, PASS_SPP, Progress};
+use crate::integrate::progress::{Learning, Limits, PASS_SPP, Progress};
 use crate::integrate::tiles::Job;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -43,12 +43,17 @@ pub(in crate::integrate) fn train_passes(
             return iteration;
         }
         if learner.wants_more() {
+            job.observer.learns(Learning::Paths);
             learner.take(&mut told.training_samples, paths / stride);
+            job.observer.draws(learner.share_learned());
         }
         from = to;
         if learner.is_to_be_judged(from, pixels) {
+            job.observer.learns(Learning::Trial);
             let paths = learner.trial_paths();
             let (verdict, rate) = trial(job, job.view.film, learner.guide(), paths);
+            job.observer.draws(learner.share_learned());
+            job.observer.learns(Learning::Photons);
             learner.judge(
                 &job.view,
                 Verdict {
@@ -57,6 +62,7 @@ pub(in crate::integrate) fn train_passes(
                 },
             );
             learner.set_manifold_rate(rate);
+            job.observer.draws(learner.share_learned());
         }
         let spreads = job.view.settings.guided.adaptive && from >= adaptive::FIRST;
         let shares = spreads.then(|| told.survey.shares(film, from, &iteration));

@@ -4,7 +4,7 @@
 //! helpings: a small one before the trial, and the others once it is known that they are worth
 //! their while.
 
-use super::count::add_traced;
+use super::count::{add_traced, expect_photons};
 use super::effort::{self, Effort};
 use super::settings::LearnSettings;
 use crate::guide::{BATCH, GuideError, Photon, Settings, Source, SurfacePoint, Trainer};
@@ -74,6 +74,7 @@ impl PhotonTraining {
     ) {
         let share = effort::PHOTONS[usize::from(helping == Portion::All)];
         self.schedule.open(share);
+        expect_photons(self.schedule.expected().unwrap_or(0));
         while let Some(mut photons) = self.schedule.next_batch() {
             let (before, landed_before, mut gain) = (self.landings, self.counts.emitted, 0.0);
             while !photons.is_empty() {
@@ -89,6 +90,7 @@ impl PhotonTraining {
                 work: self.effort.in_samples(cost),
                 elapsed: begun.elapsed(),
             });
+            expect_photons(self.schedule.expected().unwrap_or(0));
         }
     }
 
