@@ -5,11 +5,14 @@ use super::material::Material;
 use super::transmittance::RoughTransmittance;
 use crate::math::Rgb;
 use crate::texture::{SurfacePoint, Texture};
+use std::collections::HashMap;
 
 /// All materials of a scene.
 #[derive(Debug, Default)]
 pub struct Materials {
     pub(super) list: Vec<Prepared>,
+    /// What the scene calls them, those that it has a name for.
+    names: HashMap<MaterialId, String>,
 }
 
 /// A material and what never changes about it.
@@ -40,6 +43,17 @@ impl Materials {
     /// The material `id`.
     pub fn get(&self, id: MaterialId) -> &Material {
         &self.list[id as usize].material
+    }
+
+    /// Gives material `id` the name that the scene has for it.
+    pub fn set_name(&mut self, id: MaterialId, name: impl Into<String>) {
+        self.names.insert(id, name.into());
+    }
+
+    /// What the scene calls material `id`; by its model and number if it has no name.
+    pub fn name(&self, id: MaterialId) -> String {
+        let given = self.names.get(&id).cloned();
+        given.unwrap_or_else(|| format!("{}.{id}", self.get(id).name()))
     }
 
     /// How many there are.

@@ -5,10 +5,10 @@ use super::console::Console;
 use super::denoising::Denoising;
 use super::file_args::{ExrArgs, OidnArgs, ViewArgs};
 use super::interrupt::Interrupt;
-use super::output::Outputs;
+use super::output::{Outputs, check_lossless};
 use super::values;
 use crate::image::denoise::{Known, known};
-use crate::image::{PixelType, read_linear};
+use crate::image::{Attribute, PixelType, read_linear};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -59,6 +59,10 @@ pub fn run(args: &DenoiseArgs, console: &Console, interrupt: &Interrupt) -> Resu
                 "name an image with channels R, G and B",
             ));
         }
+    }
+    let is_matte = |a: &Attribute| a.name.starts_with("cryptomatte/");
+    if picture.attributes.iter().any(is_matte) {
+        check_lossless(&args.exr)?;
     }
     for channel in &mut picture.channels {
         // What needs 32 bits keeps them; the rest is as --format says.

@@ -180,6 +180,7 @@ mod tests {
             filter: Filter::Box { radius: 0.5 },
             kind: FilmKind::Hdr,
             exposure: 0.0,
+            extras: Default::default(),
         }
     }
 

@@ -12,7 +12,7 @@ use super::part_args::PartArgs;
 use super::render_args::RenderArgs;
 use super::{Failure, settings};
 use crate::film::part::{Identity, Origin, Record};
-use crate::film::{Film, FilmDescription, Shard};
+use crate::film::{Extras, Film, FilmDescription, Shard};
 use crate::integrate::View;
 use crate::integrate::progress::Limits;
 use crate::photon::schedule::Budget;
@@ -51,6 +51,7 @@ pub fn record(
         frame: Some([film.width, film.height]),
         goal: (!endless).then_some(limits.spp),
         shard: args.parts.shard.unwrap_or(Shard::ALL),
+        extras: (*film.extras).clone(),
         origin: Origin {
             scene: args.scene.title(),
             words: words(),
@@ -114,10 +115,25 @@ fn in_effect(way: Guide, view: &View) -> Value {
         "strict_normals": path.strict_normals,
         "sampler": path.sampler,
         "guide": format!("{way:?}"),
+        "aov": carried(&film.extras),
         "accel": built.robust.then_some("robust"),
         // Trees built otherwise round their hits otherwise.
         "accel_build": format!("{:?}", (built.quality, built.compact)),
     })
+}
+
+/// The layers that pixels carry because they were asked for; of others parts have the sums in any
+/// case.
+fn carried(extras: &Extras) -> Option<String> {
+    let list = [
+        ("position", extras.position),
+        ("uv", extras.uv),
+        ("normal.geometric", extras.geometric_normal),
+        ("cryptomatte", extras.mattes.is_some()),
+    ];
+    let names = list.iter().filter(|layer| layer.1).map(|layer| layer.0);
+    let names: Vec<&str> = names.collect();
+    (!names.is_empty()).then(|| names.join(","))
 }
 
 /// Options with their values as text; without those that have none.

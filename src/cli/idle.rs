@@ -67,7 +67,10 @@ impl Typed<'_> {
             Some(_) => {
                 let why = "a part keeps all; give it to \"twintree merge\"";
                 let mut list = self.group_without_effect::<ExrArgs>(why);
-                list.extend(self.without_effect(&["aov", "denoise", "oidn"], why));
+                list.extend(self.without_effect(&["denoise", "oidn"], why));
+                if !args.files.aov.iter().any(|aov| aov.is_extra()) {
+                    list.extend(self.without_effect(&["aov"], why));
+                }
                 list
             }
             None => self.of_files(&args.files),
@@ -211,8 +214,12 @@ mod tests {
             ("render a.xml --exposure 1", "--exposure"),
             ("render a.xml --exposure 1 -o a.jpg", ""),
             (
-                "render a.xml --shard 0/2 --aov all --denoise -o a.exr",
-                "--aov --denoise",
+                "render a.xml --shard 0/2 --aov albedo --denoise -o a.exr",
+                "--denoise --aov",
+            ),
+            (
+                "render a.xml --shard 0/2 --aov albedo,position -o a.exr",
+                "",
             ),
             ("render a.xml --oidn lib", "--oidn"),
             ("render a.xml --denoise --oidn lib -o a.png", ""),

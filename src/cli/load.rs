@@ -1,7 +1,9 @@
 //! From the command line's scene to a description, for every subcommand alike.
 
+use super::aov::{self, Aov};
 use super::picture_args::SizeArgs;
 use super::ray_args::{AccelBuild, RayArgs};
+use super::render_args::RenderArgs;
 use super::scene_args::{SceneArgs, StudioArgs, UpAxis};
 use super::{Failure, budget, memory, threads};
 use crate::accel::{BuildQuality, BuildSettings};
@@ -127,6 +129,25 @@ fn warn_of_lights(lights: &Lights) -> usize {
     usize::from(dark)
 }
 
+/// What the picture that is to be made asks of a scene.
+#[derive(Clone, Copy, Debug)]
+pub struct Picture {
+    /// Its size.
+    pub size: SizeArgs,
+    /// It tells texture coordinates, whether or not anything in the scene reads them.
+    pub tells_uvs: bool,
+}
+
+impl Picture {
+    /// That of a render.
+    pub fn of(args: &RenderArgs) -> Self {
+        Self {
+            size: args.picture.size,
+            tells_uvs: aov::has(&args.files.aov, Aov::Uv),
+        }
+    }
+}
+
 /// What the words of the command line name.
 #[derive(Debug)]
 pub enum Input {
@@ -224,7 +245,7 @@ fn check_no_defines(args: &SceneArgs) -> Result<(), Failure> {
 ///
 /// # Errors
 /// When the scene, or a file that it names, cannot be used.
-pub fn load(args: &SceneArgs, input: &Input, picture: Option<SizeArgs>) -> Result<Loaded, Failure> {
+pub fn load(args: &SceneArgs, input: &Input, picture: Option<Picture>) -> Result<Loaded, Failure> {
     load_in(args, input, &args.studio, picture)
 }
 
@@ -245,7 +266,7 @@ fn load_in(
     args: &SceneArgs,
     input: &Input,
     studio: &StudioArgs,
-    picture: Option<SizeArgs>,
+    picture: Option<Picture>,
 ) -> Result<Loaded, Failure> {
     let decode = DecodeLimit {
         bytes: args.limit_decoded as u64,
@@ -267,7 +288,7 @@ fn load_in(
     };
     print_warnings(&description.warnings, args);
     let warnings = description.warnings.len() + advise_on_textures(&textures);
-    let trimmed = spare::trim(&mut description);
+    let trimmed = spare::trim(&mut description, picture.is_some_and(|p| p.tells_uvs));
     if trimmed.uv_bytes + trimmed.attribute_bytes > 0 {
         tracing::debug!(
             "nothing reads {} of texture coordinates and {} of attributes",
@@ -323,7 +344,7 @@ fn load_models(
     sources: &[ModelSource],
     args: &StudioArgs,
     options: &ImportOptions,
-    picture: Option<SizeArgs>,
+    picture: Option<Picture>,
 ) -> Result<Description, Failure> {
     let z_up = args.up == UpAxis::Z;
     if let Some(path) = args.envmap.as_ref().filter(|p| !p.exists()) {
@@ -351,7 +372,7 @@ fn load_models(
         sky: args.sky.clone(),
         environment,
         ground: args.ground.clone(),
-        size: picture.map_or((None, None), |p| (p.width, p.height)),
+        size: picture.map_or((None, None), |p| (p.size.width, p.size.height)),
     };
     let settings = ModelOptions {
         material: args.material.clone(),

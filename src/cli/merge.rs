@@ -4,19 +4,21 @@
 //! matter. They are read one after the other: the film is in memory once.
 
 use super::Failure;
+use super::aov::Aov;
 use super::console::Console;
 use super::denoising::Denoising;
 use super::file_args::FileArgs;
 use super::interrupt::Interrupt;
 use super::output::Outputs;
-use super::{memory, settings};
+use super::{aov, memory, settings};
 use crate::film::Film;
 use crate::film::Metadata;
 use crate::film::part::{PartReader, Record};
 use crate::film::shard::Deal;
 use crate::report::stats::Stats;
-use clap::Args;
+use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Arguments of `twintree merge`.
@@ -57,7 +59,8 @@ pub fn run(args: &MergeArgs, console: &Console, interrupt: &Interrupt) -> Result
     let outputs = Outputs::plan(&args.files, Path::new(&first.origin.scene), None)?;
     outputs.spare("one of the parts", &args.parts)?;
     let denoising = Denoising::wanted(&args.files, console, interrupt)?;
-    settings::check_memory(first.region)?;
+    check_layers(args, first)?;
+    settings::check_memory(first.region, &first.extras)?;
     let film = read(&parts)?;
     let missing = missing(&parts, &film);
     if let Some(missing) = &missing {
@@ -106,11 +109,29 @@ fn compare((first, ours): &Known, (path, theirs): &Known) -> Result<(), Failure>
     ))
 }
 
+/// Refuses layers that parts have only if they were asked for.
+fn check_layers(args: &MergeArgs, first: &Record) -> Result<(), Failure> {
+    let missing = aov::missing(&args.files.aov, &first.extras);
+    let names: Vec<_> = missing.iter().filter_map(Aov::to_possible_value).collect();
+    let names: Vec<&str> = names.iter().map(|name| name.get_name()).collect();
+    if names.is_empty() {
+        return Ok(());
+    }
+    let names = names.join(",");
+    Err(Failure::wrong(
+        format!("--aov {names}: the parts do not have it"),
+        format!("render the shards with --aov {names}, too"),
+    ))
+}
+
 /// Reads all parts into one film.
 fn read(parts: &[Known]) -> Result<Film, Failure> {
     let first = parts.first().map(|(_, record)| record);
-    let region = first.map_or([0; 4], |record| record.region);
-    let mut film = Film::vacant(region).framed(first.and_then(|record| record.frame));
+    let (region, extras) = first.map_or_else(Default::default, |record| {
+        (record.region, record.extras.clone())
+    });
+    let vacant = Film::vacant_with(region, Arc::new(extras));
+    let mut film = vacant.framed(first.and_then(|record| record.frame));
     let mut owners: Vec<Option<usize>> = vec![None; film.tiles().len()];
     for (k, (path, record)) in parts.iter().enumerate() {
         let mut taken = |tile: usize| {

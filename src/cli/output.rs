@@ -1,6 +1,7 @@
 //! The files that a render writes: tried before the work, written after it.
 
 use super::Failure;
+use super::aov::{self, Aov};
 use super::checkpoint::Checkpoint;
 use super::file_args::{ExrArgs, FileArgs};
 use super::load::Input;
@@ -83,6 +84,9 @@ impl Outputs {
         };
         if shard.is_some() {
             check_part(&images)?;
+        }
+        if aov::has(&args.aov, Aov::Cryptomatte) {
+            check_lossless(&args.exr)?;
         }
         Self::tried(images, args.stats.clone())
     }
@@ -241,6 +245,20 @@ pub fn default_name(
     }
     name.push(extension);
     Ok(name.into())
+}
+
+/// What stands for names in mattes is kept to the last bit, or they are lost.
+///
+/// # Errors
+/// When the images are to be packed with loss.
+pub fn check_lossless(exr: &ExrArgs) -> Result<(), Failure> {
+    if exr.compression != Compression::Dwaa {
+        return Ok(());
+    }
+    Err(Failure::wrong(
+        "--compression dwaa is lossy and would destroy the layers of --aov cryptomatte",
+        "give --compression zip or piz, or leave cryptomatte out",
+    ))
 }
 
 /// A shard is written into one file, which is no picture yet.

@@ -231,7 +231,7 @@ fn timed<T>(seconds: &mut f64, work: impl FnOnce() -> T) -> T {
 /// Reads the scene, with what the command line changes about it; how many triangles it has.
 fn read(args: &RenderArgs, input: &Input, times: &mut Times) -> Result<(Loaded, u64), Failure> {
     let mut loaded = timed(&mut times.load, || {
-        load::load(&args.scene, input, Some(args.picture.size))
+        load::load(&args.scene, input, Some(load::Picture::of(args)))
     })?;
     settings::apply_to_film(args, &mut loaded.description)?;
     let triangles = triangles(&loaded.description);

@@ -4,8 +4,8 @@ use super::guide_args::{Guide, GuideArgs, GuidedArgs, LearnArgs, Teachers, When}
 use super::light_args::LightArgs;
 use super::picture_args::{PictureArgs, SizeArgs};
 use super::render_args::{RenderArgs, StopArgs};
-use super::{Failure, memory};
-use crate::film::{FilmDescription, Pixel};
+use super::{Failure, aov, memory};
+use crate::film::{Extras, FilmDescription, Pixel};
 use crate::integrate::progress::Limits;
 use crate::integrate::training::LearnSettings;
 use crate::integrate::{GuidedSettings, PathSettings};
@@ -13,12 +13,14 @@ use crate::photon::PhotonSettings;
 use crate::photon::schedule::Budget;
 use crate::scene::Description;
 use crate::scene::description::{RenderDescription, SamplerKind};
+use std::sync::Arc;
 
 /// Applies the command line to the scene's film.
 ///
 /// # Errors
 /// When the crop does not fit, or the film does not fit into memory.
 pub fn apply_to_film(args: &RenderArgs, description: &mut Description) -> Result<(), Failure> {
+    let extras = aov::extras(&args.files.aov, description);
     let film = &mut description.film;
     resize(film, args.picture.size);
     crop(film, &args.picture)?;
@@ -28,7 +30,8 @@ pub fn apply_to_film(args: &RenderArgs, description: &mut Description) -> Result
     if let Some(exposure) = args.files.exposure {
         film.exposure = exposure;
     }
-    check_memory(film.region())
+    film.extras = Arc::new(extras);
+    check_memory(film.region(), &film.extras)
 }
 
 /// Sets the size; one side alone keeps the proportions. The scene's own crop grows with the film.
@@ -83,9 +86,9 @@ fn crop(film: &mut FilmDescription, args: &PictureArgs) -> Result<(), Failure> {
 ///
 /// # Errors
 /// When the film of the region x0, y0, x1, y1 does not fit into the memory that is free.
-pub fn check_memory([x0, y0, x1, y1]: [u32; 4]) -> Result<(), Failure> {
+pub fn check_memory([x0, y0, x1, y1]: [u32; 4], extras: &Extras) -> Result<(), Failure> {
     let pixels = u64::from(x1 - x0) * u64::from(y1 - y0);
-    let needed = pixels * std::mem::size_of::<Pixel>() as u64;
+    let needed = pixels * (size_of::<Pixel>() + extras.bytes_of_pixel()) as u64;
     match memory::available_bytes() {
         Some(available) if needed > available => Err(Failure::refused(
             format!(
@@ -244,6 +247,7 @@ mod tests {
             filter: Filter::Box { radius: 0.5 },
             kind: FilmKind::Hdr,
             exposure: 0.0,
+            extras: Default::default(),
         }
     }
 

@@ -18,7 +18,7 @@ use std::fmt::Write as _;
 /// When the scene cannot be used, or the pixel is not on the film.
 pub fn run(args: &RenderArgs, PixelSample { pixel, sample }: PixelSample) -> Result<(), Failure> {
     let input = Input::of(&args.scene)?;
-    let mut loaded = load::load(&args.scene, &input, Some(args.picture.size))?;
+    let mut loaded = load::load(&args.scene, &input, Some(load::Picture::of(args)))?;
     let field = learning::wanted_file(&args.guide)?;
     if let Some(field) = &field {
         field.check(loaded.fingerprint()?)?;

@@ -8,6 +8,10 @@
 //! | `albedo.first.R albedo.first.G albedo.first.B` | reflectance of the first surface | Blender, Nuke |
 //! | `normal.first.X normal.first.Y normal.first.Z` | its shading normal, world space | the same |
 //! | `depth.Z` | distance from the camera | Blender, Nuke |
+//! | `position.X position.Y position.Z` | its position, world space | the same |
+//! | `uv.U uv.V` | its texture coordinates | the same |
+//! | `normal.geometric.X normal.geometric.Y normal.geometric.Z` | its geometric normal, world space | the same |
+//! | `CryptoObject00.r g b a` to `02`, `CryptoMaterial00..` | mattes (see `layers/cryptomatte.rs`) | the same |
 //! | `variance.R variance.G variance.B` | variance of the picture's pixels over renders with other seeds | `compare` |
 //! | `noise.R noise.G noise.B` | a number of the size of the picture's error: the square of its mean over any block is on average the variance of the picture's mean there | `compare` |
 //! | `samples.Y` | samples of the pixel | merging |
@@ -17,11 +21,16 @@
 //!
 //! The names are `layer.channel`, the convention by which Blender and Nuke group channels.
 
-use super::{Film, Metadata, Pixel, Tile};
+use super::{Extras, Film, Metadata, Pixel, Tile};
 use crate::image::{Channel, Image, PixelType};
+use std::ops::Range;
 
+mod cryptomatte;
 #[cfg(test)]
 mod tests;
+
+use super::mattes::MatteKind;
+use cryptomatte::Cryptomatte;
 
 /// Which layers to write beside the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,6 +45,14 @@ pub struct Layers {
     pub first_normal: bool,
     /// Distance to the first surface.
     pub depth: bool,
+    /// Its position, if the film carries it.
+    pub position: bool,
+    /// Its texture coordinates, if the film carries them.
+    pub uv: bool,
+    /// Its geometric normal, if the film carries it.
+    pub geometric_normal: bool,
+    /// Mattes of objects and materials, if the film carries what they are made of.
+    pub cryptomatte: bool,
     /// Variance of the picture.
     pub variance: bool,
     /// Noise like that of the picture.
@@ -52,6 +69,10 @@ impl Layers {
         first_albedo: false,
         first_normal: false,
         depth: false,
+        position: false,
+        uv: false,
+        geometric_normal: false,
+        cryptomatte: false,
         variance: false,
         noise: false,
         samples: false,
@@ -63,6 +84,10 @@ impl Layers {
         first_albedo: true,
         first_normal: true,
         depth: true,
+        position: true,
+        uv: true,
+        geometric_normal: true,
+        cryptomatte: true,
         variance: true,
         noise: true,
         samples: true,
@@ -76,11 +101,13 @@ struct Layer {
     read: fn(&Seen, &mut Vec<f32>),
 }
 
-/// A pixel, its tile, and its variance.
+/// A pixel, its tile, its variance, and its further sums with what they are.
 struct Seen<'f> {
     pixel: &'f Pixel,
     tile: &'f Tile,
     variance: [f32; 3],
+    sums: &'f [f64],
+    extras: &'f Extras,
 }
 
 const PICTURE: Layer = Layer {
@@ -113,6 +140,35 @@ const DEPTH: Layer = Layer {
     stored: Some(PixelType::Float),
     read: |seen, out| out.push(average(seen.pixel.depth, seen.pixel.met)),
 };
+const POSITION: Layer = Layer {
+    names: &["position.X", "position.Y", "position.Z"],
+    stored: Some(PixelType::Float),
+    read: |seen, out| {
+        let (met, from) = (seen.pixel.met, &seen.extras.origin);
+        let sums = seen.sums_at(seen.extras.positions(), 3).zip(from);
+        out.extend(sums.map(|(sum, from)| average(sum + from * met as f64, met)));
+    },
+};
+const UV: Layer = Layer {
+    names: &["uv.U", "uv.V"],
+    stored: Some(PixelType::Float),
+    read: |seen, out| {
+        let sums = seen.sums_at(seen.extras.uvs(), 2);
+        out.extend(sums.map(|sum| average(sum, seen.pixel.met)));
+    },
+};
+const GEOMETRIC_NORMAL: Layer = Layer {
+    names: &[
+        "normal.geometric.X",
+        "normal.geometric.Y",
+        "normal.geometric.Z",
+    ],
+    stored: None,
+    read: |seen, out| {
+        let sums = seen.sums_at(seen.extras.normals(), 3);
+        out.extend(sums.map(|sum| average(sum, seen.pixel.count)));
+    },
+};
 const VARIANCE: Layer = Layer {
     names: &["variance.R", "variance.G", "variance.B"],
     stored: Some(PixelType::Float),
@@ -132,6 +188,14 @@ const SAMPLES: Layer = Layer {
     read: |seen, out| out.push(seen.pixel.count as f32),
 };
 
+impl Seen<'_> {
+    /// Some of the further sums, of which there are so many; a pixel that is not held has none.
+    fn sums_at(&self, at: Range<usize>, count: usize) -> impl Iterator<Item = f64> + '_ {
+        let sums = self.sums.get(at).unwrap_or(&[]).iter().copied();
+        sums.chain(std::iter::repeat(0.0)).take(count)
+    }
+}
+
 /// The nearest finite `f32`: radiances of 1e20 have variances that would be infinite.
 fn single(x: f64) -> f32 {
     x.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32
@@ -146,8 +210,9 @@ fn average(sum: f64, count: u64) -> f32 {
 }
 
 impl Film {
-    /// The film as an image: the picture and the layers asked for.
+    /// The film as an image: the picture and the layers asked for, as far as the film has them.
     pub fn image(&self, layers: Layers, metadata: &Metadata) -> Image {
+        let extras = &**self.extras();
         let wanted = [
             (true, PICTURE),
             (layers.albedo, ALBEDO),
@@ -155,12 +220,22 @@ impl Film {
             (layers.first_albedo, FIRST_ALBEDO),
             (layers.first_normal, FIRST_NORMAL),
             (layers.depth, DEPTH),
+            (layers.position && extras.position, POSITION),
+            (layers.uv && extras.uv, UV),
+            (
+                layers.geometric_normal && extras.geometric_normal,
+                GEOMETRIC_NORMAL,
+            ),
             (layers.variance, VARIANCE),
             (layers.noise, NOISE),
             (layers.samples, SAMPLES),
         ];
         let list: Vec<Layer> = wanted.into_iter().filter(|w| w.0).map(|w| w.1).collect();
-        let channels: Vec<Channel> = list
+        let mattes = match layers.cryptomatte {
+            true => self.cryptomattes(),
+            false => Vec::new(),
+        };
+        let mut channels: Vec<Channel> = list
             .iter()
             .flat_map(|layer| {
                 let of = |name: &&str| Channel {
@@ -170,6 +245,7 @@ impl Film {
                 layer.names.iter().map(of)
             })
             .collect();
+        channels.extend(mattes.iter().flat_map(Cryptomatte::channels));
         let (width, height) = (self.width(), self.height());
         let mut pixels = Vec::with_capacity(width as usize * height as usize * channels.len());
         let variances = layers.variance.then(|| self.variances());
@@ -182,17 +258,33 @@ impl Film {
                 pixel: tile.pixels.get(i).unwrap_or(&Pixel::EMPTY),
                 tile,
                 variance: variances.as_ref().map_or([0.0; 3], |v| v.of(at)),
+                sums: tile.extras_of(i),
+                extras,
             };
             list.iter()
                 .for_each(|layer| (layer.read)(&seen, &mut pixels));
+            for matte in &mattes {
+                matte.read(tile.shapes_of(i), seen.pixel.weight, &mut pixels);
+            }
         }
+        let mut attributes = metadata.attributes();
+        attributes.extend(mattes.iter().flat_map(Cryptomatte::attributes));
         Image {
             width,
             height,
             window: self.window(),
             channels,
             pixels,
-            attributes: metadata.attributes(),
+            attributes,
         }
+    }
+
+    /// The mattes that its pixels carry.
+    fn cryptomattes(&self) -> Vec<Cryptomatte<'_>> {
+        let kinds = [MatteKind::Object, MatteKind::Material];
+        let mattes = self.extras().mattes.iter();
+        mattes
+            .flat_map(|mattes| kinds.map(|kind| Cryptomatte::new(mattes, kind)))
+            .collect()
     }
 }

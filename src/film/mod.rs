@@ -7,6 +7,8 @@
 
 pub mod filter;
 
+use std::sync::Arc;
+
 /// What file formats a scene asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum FilmKind {
@@ -32,6 +34,8 @@ pub struct FilmDescription {
     pub kind: FilmKind,
     /// Multiplier applied before an 8-bit curve, as a power of two (`ldrfilm` exposure).
     pub exposure: f32,
+    /// What pixels carry besides the picture and its usual layers.
+    pub extras: Arc<Extras>,
 }
 
 impl FilmDescription {
@@ -47,9 +51,11 @@ impl FilmDescription {
     }
 }
 
+pub mod extras;
 pub mod features;
 mod late;
 pub mod layers;
+pub mod mattes;
 pub mod metadata;
 mod noise;
 pub mod part;
@@ -57,13 +63,16 @@ pub mod shard;
 #[cfg(test)]
 mod tests;
 pub mod tile;
+mod tile_extras;
 pub mod variance;
 
 use crate::image::header::{Level, Window};
 
+pub use extras::{ExtraSample, Extras, FirstPoint};
 pub use features::{FeatureSums, Features};
 pub use late::Late;
 pub use layers::Layers;
+pub use mattes::Mattes;
 pub use metadata::Metadata;
 pub(crate) use noise::FLOOR;
 pub use noise::Noise;
@@ -82,6 +91,7 @@ pub struct Film {
     /// Width and height of the full film, where that is known.
     frame: Option<[u32; 2]>,
     tiles: Vec<Tile>,
+    extras: Arc<Extras>,
 }
 
 /// What a pixel of a tile that is not held looks like.
@@ -96,16 +106,23 @@ impl Film {
     /// An empty film that holds the tiles of `shard`.
     pub fn shard(description: &FilmDescription, shard: Shard) -> Self {
         let frame = [description.width, description.height];
-        let mut film = Self::vacant(description.region()).framed(Some(frame));
+        let vacant = Self::vacant_with(description.region(), description.extras.clone());
+        let mut film = vacant.framed(Some(frame));
         for i in shard.tiles(film.tiles.len()) {
             let tile = &mut film.tiles[i];
             tile.pixels = vec![Pixel::default(); tile.area()];
+            tile.carry(&film.extras);
         }
         film
     }
 
     /// A film of the region x0, y0, x1, y1 that holds no tile yet.
     pub fn vacant(region: [u32; 4]) -> Self {
+        Self::vacant_with(region, Arc::default())
+    }
+
+    /// The same for pixels that carry more.
+    pub fn vacant_with(region: [u32; 4], extras: Arc<Extras>) -> Self {
         let [x0, y0, x1, y1] = region;
         let mut tiles = Vec::new();
         for y in (y0..y1).step_by(TILE_SIZE as usize) {
@@ -116,6 +133,8 @@ impl Film {
                     width: (x1 - x).min(TILE_SIZE),
                     height: (y1 - y).min(TILE_SIZE),
                     pixels: Vec::new(),
+                    extras: Vec::new(),
+                    shapes: Vec::new(),
                     done: 0,
                     invalid: 0,
                     first_invalid: None,
@@ -126,7 +145,13 @@ impl Film {
             region,
             frame: None,
             tiles,
+            extras,
         }
+    }
+
+    /// What its pixels carry besides.
+    pub fn extras(&self) -> &Arc<Extras> {
+        &self.extras
     }
 
     /// The same film as a part of one of this width and height.

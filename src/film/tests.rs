@@ -13,6 +13,7 @@ fn film(width: u32, height: u32, crop: Option<[u32; 4]>) -> Film {
         filter: Filter::Box { radius: 0.5 },
         kind: FilmKind::Hdr,
         exposure: 0.0,
+        extras: Default::default(),
     })
 }
 

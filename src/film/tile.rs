@@ -1,7 +1,9 @@
 //! Pixels and the tiles they are stored in.
 
+use super::extras::{ExtraSample, Extras};
 use super::features::{FeatureSums, Features};
 use super::late::Late;
+use super::mattes::ShapeSums;
 use crate::math::{Rgb, Vec3};
 
 /// Width and height of a tile in pixels.
@@ -188,6 +190,10 @@ pub struct Tile {
     pub height: u32,
     /// Row by row; empty in a film that does not hold the tile.
     pub pixels: Vec<Pixel>,
+    /// Further sums, pixel by pixel (see [`super::extras`]).
+    pub extras: Vec<f64>,
+    /// The shapes that each pixel sees; empty where nobody asks (see [`super::mattes`]).
+    pub shapes: Vec<ShapeSums>,
     /// Every pixel has taken the samples from 0 up to this number, those dropped included.
     pub done: u64,
     /// Samples dropped because they were not finite.
@@ -215,9 +221,9 @@ impl Tile {
     }
 
     /// Adds sample number `index` of the tile's pixel `i`. One that is not finite is dropped and
-    /// counted.
+    /// counted; says whether it was kept.
     #[inline]
-    pub fn add(&mut self, i: usize, index: u64, sample: &Sample) {
+    pub fn add(&mut self, i: usize, index: u64, sample: &Sample) -> bool {
         let colors = sample.radiance.is_finite() & sample.albedo.is_finite();
         let finite = colors
             & sample.normal.is_finite()
@@ -227,10 +233,24 @@ impl Tile {
             & sample.worth.is_finite();
         if finite {
             self.pixels[i].add(index, sample);
-            return;
+            return true;
         }
         self.invalid += 1;
         let [x, y] = self.place(i);
         self.first_invalid.get_or_insert((x, y, index));
+        false
+    }
+
+    /// The same with what the sample brings besides.
+    pub fn add_with(
+        &mut self,
+        i: usize,
+        index: u64,
+        (sample, extra): (&Sample, &ExtraSample),
+        extras: &Extras,
+    ) {
+        if self.add(i, index, sample) {
+            self.add_extras(i, extras, sample, extra);
+        }
     }
 }

@@ -91,6 +91,7 @@ pub(super) fn bounce<'s, S: Scatter<'s>>(
     let Some(surface) = scene.surfaces.met(hit) else {
         if depth == 0 {
             first_hits.push(FirstHit::NOTHING);
+            observer.sees(None);
         } else if let Some(first) = how.seen_by(path, first_hits) {
             features::add_sky(first, base);
         }
@@ -111,6 +112,7 @@ pub(super) fn bounce<'s, S: Scatter<'s>>(
     if depth == 0 {
         let seen = features::first_hit(scene, surface, (&point, wo), &bsdf, hit.t);
         first_hits.push(seen);
+        observer.sees(Some((&point, hit)));
         if settings.max_depth < 2 {
             return BounceResult::default();
         }

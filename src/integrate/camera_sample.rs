@@ -3,9 +3,10 @@
 use super::adaptive::{Shares, TileShares};
 use super::context::View;
 use super::path::FirstHit;
+use super::recording::Recorded;
 use crate::camera::CameraRay;
 use crate::film::filter::FilterSampler;
-use crate::film::{Sample, Tile};
+use crate::film::{Extras, Sample, Tile};
 use crate::math::{PathSampler, Rgb, Vec2};
 use std::ops::Range;
 
@@ -168,13 +169,20 @@ pub fn first_ray(
     (ray, sampler, place.weight)
 }
 
-/// Adds the paths that the tile lacks, if it is held.
-pub fn add(tile: &mut Tile, radiances: &[Rgb], first_hits: &[FirstHit], starts: &[Start]) {
+/// Adds the paths that the tile lacks, if it is held: what they came to and what they met first;
+/// what was recorded besides, and for which extras of the film.
+pub fn add(
+    tile: &mut Tile,
+    (radiances, first_hits): (&[Rgb], &[FirstHit]),
+    (recorded, extras): (&Recorded, &Extras),
+    starts: &[Start],
+) {
     if !tile.is_held() {
         return;
     }
+    let plain = extras.is_empty();
     let samples = radiances.iter().zip(first_hits);
-    for ((&radiance, first), start) in samples.zip(starts) {
+    for (number, ((&radiance, first), start)) in samples.zip(starts).enumerate() {
         if start.sample < tile.done {
             continue;
         }
@@ -187,7 +195,14 @@ pub fn add(tile: &mut Tile, radiances: &[Rgb], first_hits: &[FirstHit], starts: 
             depth: first.depth,
             features: first.features,
         };
-        tile.add(start.pixel as usize, start.sample, &sample);
+        let pixel = start.pixel as usize;
+        match plain {
+            true => _ = tile.add(pixel, start.sample, &sample),
+            false => {
+                let extra = recorded.of(number);
+                tile.add_with(pixel, start.sample, (&sample, &extra), extras);
+            }
+        }
     }
 }
 

@@ -9,7 +9,8 @@
 //! 4. [`wave`] advances all paths by one bounce at a time, so that the ray tracer gets rays in
 //!    bulk.
 //! 5. `bounce.rs`: what a ray met; `features.rs`: what a denoiser is told of it; `emission.rs`: its
-//!    light, weighed by multiple importance sampling.
+//!    light, weighed by multiple importance sampling; `recording.rs`: what else a film wants to
+//!    know.
 //! 6. `scatter.rs`: plain path tracing at a vertex: emitter sampling (`next_event.rs`), BSDF
 //!    sampling, Russian roulette ([`roulette`]); `direction.rs`: the next ray.
 //!
@@ -60,6 +61,7 @@ mod next_event;
 pub mod observer;
 pub mod path;
 pub mod progress;
+mod recording;
 pub mod render;
 pub mod reuse;
 pub mod roulette;

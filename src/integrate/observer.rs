@@ -2,11 +2,18 @@
 
 use super::manifold::ManifoldSample;
 use super::path::Arrival;
+use crate::accel::Hit;
 use crate::guide::LightChoice;
 use crate::math::{Rgb, Vec3};
+use crate::texture::SurfacePoint;
 
 /// Watches paths while they travel. `()` watches nothing and costs nothing.
 pub trait PathObserver {
+    /// A path from the camera has met its first surface, or nothing. Samples come in their order.
+    #[inline]
+    fn sees(&mut self, met: Option<(&SurfacePoint, &Hit)>) {
+        let _ = met;
+    }
     /// Whether [`PathObserver::depart`] is to be called for this path.
     #[inline]
     fn wants(&self, accumulator: u32) -> bool {

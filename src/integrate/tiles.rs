@@ -153,10 +153,12 @@ impl<'a> Job<'a> {
             origins.clear();
             origins.extend(starts.iter().map(Start::origin));
             let gives_up = |edges| self.gives_up(edges);
-            let outcomes = wave.trace_image(context, observer, &origins, &gives_up);
+            let extras = &*self.view.film.extras;
+            let outcomes = wave.trace_image(context, observer, (&origins, extras), &gives_up);
             let Some(outcomes) = outcomes else { break };
             conclude(observer, &outcomes, &starts);
-            add(tile, outcomes.image, outcomes.first_hits, &starts);
+            let samples = (outcomes.image, outcomes.first_hits);
+            add(tile, samples, (outcomes.recorded, extras), &starts);
             from = to;
         }
         if let Ok(mut waves) = self.waves.lock() {

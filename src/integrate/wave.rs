@@ -10,11 +10,13 @@ use super::manifold::LastRoughVertex;
 use super::next_event::ShadowRay;
 use super::observer::PathObserver;
 use super::path::{FirstHit, Path};
+use super::recording::{Recorded, Recording};
 use super::reuse::PrefixPool;
 use super::scatter::Plain;
 use super::splitting::SplitPaths;
 use crate::accel::Ray;
 use crate::camera::CameraRay;
+use crate::film::Extras;
 use crate::math::{PathSampler, Rgb};
 use crate::scene::Scene;
 use crate::scene::wavefront::{AHEAD, Wavefront};
@@ -35,6 +37,8 @@ pub struct Outcomes<'w> {
     pub image: &'w [Rgb],
     /// What the samples met first.
     pub first_hits: &'w [FirstHit],
+    /// What the film wanted to know of them besides.
+    pub recorded: &'w Recorded,
     /// Rays that they took.
     pub rays: u64,
 }
@@ -52,6 +56,7 @@ pub struct Wave {
     /// The same with what the samples share.
     shared: Vec<Rgb>,
     first_hits: Vec<FirstHit>,
+    recorded: Recorded,
     split_paths: SplitPaths,
     rough_vertices: Vec<LastRoughVertex>,
     /// Radiance that vertices found by manifold next-event estimation, by accumulator.
@@ -88,7 +93,7 @@ impl Wave {
 
     /// The same for samples of the image, which may share what they find (see [`super::reuse`]).
     /// `own` is what they came to by themselves, `image` what they are worth to the image;
-    /// `origins` tells where each comes from.
+    /// `origins` tells where each comes from, `extras` what the film wants to know besides.
     ///
     /// Where paths go on after [`LONG`] edges, `gives_up` is asked now and then, with the number of
     /// edges so far. When it says so there is no outcome: without the long paths the rest would be
@@ -97,7 +102,7 @@ impl Wave {
         &mut self,
         context: &PathContext,
         observer: &mut impl PathObserver,
-        origins: &[Origin],
+        (origins, extras): (&[Origin], &Extras),
         gives_up: &dyn Fn(u32) -> bool,
     ) -> Option<Outcomes<'_>> {
         let before = self.rays_traced;
@@ -108,7 +113,15 @@ impl Wave {
             1
         };
         let mut pool = PrefixPool::new(most, self.radiances.len());
-        if !self.run(context, observer, &mut pool, gives_up) {
+        let mut recorded = std::mem::take(&mut self.recorded);
+        recorded.start(extras);
+        let mut recording = Recording {
+            observer,
+            recorded: &mut recorded,
+        };
+        let is_whole = self.run(context, &mut recording, &mut pool, gives_up);
+        self.recorded = recorded;
+        if !is_whole {
             return None;
         }
         if pool.is_open() {
@@ -125,6 +138,7 @@ impl Wave {
             own: &self.radiances,
             image,
             first_hits: &self.first_hits,
+            recorded: &self.recorded,
             rays: self.rays_traced - before,
         })
     }

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`start`] | installing, five minutes with the program, all commands |
 //! | [`render`] | options of `render`, outputs, noise, `--quality`, exit codes |
+//! | [`layers`] | layers of an EXR beside the picture |
 //! | [`denoise`] | `--denoise` and `twintree denoise`, where the denoiser comes from, what it gains |
 //! | [`guiding`] | options of guiding, field files, what guiding gains |
 //! | [`parts`] | checkpoints, parts of an image on many machines, job files |
@@ -25,6 +26,10 @@ pub mod denoise {
 
 pub mod guiding {
     #![doc = include_str!("guiding.md")]
+}
+
+pub mod layers {
+    #![doc = include_str!("layers.md")]
 }
 
 pub mod parts {

@@ -143,6 +143,7 @@ impl Description {
                 filter: crate::film::filter::Filter::Box { radius: 0.5 },
                 kind: crate::film::FilmKind::Hdr,
                 exposure: 0.0,
+                extras: Default::default(),
             },
             render: RenderDescription::default(),
             origin: DVec3::ZERO,

@@ -32,10 +32,11 @@ struct Use {
     reads: Reads,
 }
 
-/// Gives back what nothing reads.
-pub fn trim(description: &mut Description) -> Trimmed {
+/// Gives back what nothing reads. Texture coordinates may be told to the film (`tells_uvs`).
+pub fn trim(description: &mut Description, tells_uvs: bool) -> Trimmed {
     let mut trimmed = Trimmed::default();
     for mut of in uses(description) {
+        of.reads.uvs |= tells_uvs;
         // The only reference, unless somebody outside the description holds the mesh, too.
         if let Some(mesh) = Arc::get_mut(&mut of.mesh) {
             trimmed.trim(mesh, &of.reads);
@@ -186,7 +187,7 @@ mod tests {
     #[test]
     fn what_nothing_reads_is_given_back() {
         let mut plain = scene(|| vec![shape(&mesh(), 0)]);
-        let trimmed = trim(&mut plain);
+        let trimmed = trim(&mut plain, false);
         assert_eq!(kept(&plain, 0), (false, vec![]));
         assert_eq!((trimmed.uv_meshes, trimmed.uv_bytes), (1, 24));
         assert_eq!((trimmed.attributes, trimmed.attribute_bytes), (2, 72));
@@ -195,10 +196,10 @@ mod tests {
     #[test]
     fn what_is_read_stays() {
         let mut lined = scene(|| vec![shape(&mesh(), 3)]);
-        assert_eq!(trim(&mut lined).uv_bytes, 0);
+        assert_eq!(trim(&mut lined, false).uv_bytes, 0);
         assert_eq!(kept(&lined, 0), (true, vec![]));
         let mut colored = scene(|| vec![shape(&mesh(), 2)]);
-        assert_eq!(trim(&mut colored).uv_meshes, 1);
+        assert_eq!(trim(&mut colored, false).uv_meshes, 1);
         assert_eq!(kept(&colored, 0), (false, vec!["vertex_color"]));
     }
 
@@ -208,7 +209,7 @@ mod tests {
             let mesh = mesh();
             vec![shape(&mesh, 2), shape(&mesh, 1)]
         });
-        trim(&mut both);
+        trim(&mut both, false);
         assert_eq!(kept(&both, 0), (true, vec!["vertex_color"]));
         let pointer = |s: &Shape| match &s.geometry {
             Geometry::Mesh(mesh) => Arc::as_ptr(mesh),
@@ -229,6 +230,6 @@ mod tests {
             radiance: lines(),
             both_sides: false,
         });
-        assert_eq!(trim(&mut glowing).uv_meshes, 0);
+        assert_eq!(trim(&mut glowing, false).uv_meshes, 0);
     }
 }

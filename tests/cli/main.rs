@@ -14,6 +14,7 @@ mod guiding;
 mod importing;
 mod inspect;
 mod invalid;
+mod layers;
 mod losses;
 mod messages;
 mod models;

@@ -7,7 +7,7 @@ mod targets;
 use mutate::{Reproduce, mutated};
 use std::path::{Path, PathBuf};
 use twintree::film::part::{self, Identity, Origin, Record};
-use twintree::film::{Film, Pixel, Shard};
+use twintree::film::{Extras, Film, Pixel, Shard};
 use twintree::guide::{Photon, Settings, Trainer};
 use twintree::image::{Image, WriteOptions, write};
 use twintree::math::warp::uniform_sphere;
@@ -140,6 +140,7 @@ fn write_the_corpus() {
         frame: None,
         goal: Some(4),
         shard: Shard::ALL,
+        extras: Extras::default(),
         origin: Origin::default(),
     };
     let mut film = Film::vacant(record.region);

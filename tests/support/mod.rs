@@ -69,6 +69,7 @@ impl SceneMaker {
                     filter: Filter::Box { radius: 0.5 },
                     kind: FilmKind::Hdr,
                     exposure: 0.0,
+                    extras: Default::default(),
                 },
                 render: RenderDescription::default(),
                 origin: DVec3::ZERO,

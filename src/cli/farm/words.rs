@@ -2,6 +2,7 @@
 //! merge.
 
 use crate::cli::Failure;
+use crate::cli::aov::Aov;
 use crate::cli::args::Cli;
 use crate::cli::guide_args::{Guide, LearnArgs};
 use crate::cli::help::options_of;
@@ -110,6 +111,10 @@ pub fn sort(words: &[String]) -> Result<Words, Failure> {
             ("guide", _) if learns => {}
             _ if arg.get_help_heading() == Some("Output") => {
                 sorted.merge.extend(typed_again(arg, &values));
+                let mut aovs = matches.get_many::<Aov>("aov").into_iter().flatten();
+                if id == "aov" && aovs.any(|aov| aov.is_extra()) {
+                    sorted.render.extend(typed_again(arg, &values));
+                }
             }
             _ => {
                 let words = typed_again(arg, &values);

@@ -106,7 +106,7 @@ impl Subject {
         settings::resize(&mut loaded.description.film, size);
         let film = &mut loaded.description.film;
         film.crop = None;
-        settings::check_memory([0, 0, film.width, film.height])?;
+        settings::check_memory([0, 0, film.width, film.height], &film.extras)?;
         let fingerprint = loaded.fingerprint()?;
         let scene = loaded.build(&args.rays)?;
         if scene.lights.is_empty() {

@@ -1,11 +1,19 @@
 //! What is read off the film.
 
 use super::*;
-use crate::film::{Features, FilmDescription, FilmKind, Sample, filter::Filter};
-use crate::math::{Rgb, Vec3};
+use crate::film::filter::Filter;
+use crate::film::{ExtraSample, Features, FilmDescription, FilmKind, FirstPoint, Mattes, Sample};
+use crate::math::{Rgb, Vec2, Vec3};
 
 #[test]
 fn layers_hold_what_the_samples_said() {
+    let extras = Extras {
+        position: true,
+        origin: [1e9, 0.0, -3.0],
+        uv: true,
+        geometric_normal: true,
+        mattes: Some(Mattes::new([["cube", "blue"], ["ball", "blue"]])),
+    };
     let mut film = Film::new(&FilmDescription {
         width: 20,
         height: 17,
@@ -13,6 +21,7 @@ fn layers_hold_what_the_samples_said() {
         filter: Filter::Box { radius: 0.5 },
         kind: FilmKind::Hdr,
         exposure: 0.0,
+        extras: extras.clone().into(),
     });
     for tile in film.tiles_mut() {
         for i in 0..tile.pixels.len() {
@@ -32,13 +41,23 @@ fn layers_hold_what_the_samples_said() {
                         weight: 0.5,
                     }),
                 };
-                tile.add(i, sample, &s);
+                // The second of them sees a place of another texture, and two coordinates that
+                // are no numbers.
+                let (u, odd) = [(0.25, 2.0), (0.75, f32::NAN)][sample as usize];
+                let first = FirstPoint {
+                    position: Vec3::new(x, odd, 0.5),
+                    uv: Vec2::new(u, odd),
+                    normal: Vec3::X,
+                    shape: sample as u32,
+                };
+                let extra = ExtraSample { first: Some(first) };
+                tile.add_with(i, sample, (&s, &extra), &extras);
             }
         }
         tile.done = 2;
     }
     let image = film.image(Layers::ALL, &Metadata::default());
-    assert_eq!(image.channels.len(), 23);
+    assert_eq!(image.channels.len(), 31 + 24);
     let pixel = image.pixel(18, 16);
     let at = |name: &str| pixel[image.channel(name).expect(name)];
     assert_eq!([at("R"), at("G"), at("B")], [18.0, 16.0, 2.0]);
@@ -55,6 +74,12 @@ fn layers_hold_what_the_samples_said() {
         ],
         [0.25, 1.0, 7.0, 2.0]
     );
+    let position = ["position.X", "position.Y", "position.Z"].map(at);
+    assert_eq!(position, [(1e9 + 18.0) as f32, 1.0, -2.5]);
+    assert_eq!([at("uv.U"), at("uv.V")], [0.5, 1.0]);
+    assert_eq!(at("normal.geometric.X"), 1.0);
+    let shares = ["CryptoObject00.g", "CryptoObject00.a", "CryptoMaterial00.g"].map(at);
+    assert_eq!(shares, [0.5, 0.5, 1.0]);
     assert_eq!([at("albedo.G"), at("normal.Z")], [0.5, 1.0]);
     assert_eq!(
         film.image(Layers::NONE, &Metadata::default())

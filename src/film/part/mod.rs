@@ -5,19 +5,23 @@
 //! serves twice: as a shard of an image, which `twintree merge` joins with the others, and as a
 //! checkpoint, from which a render goes on as if it had never been interrupted.
 //!
-//! The file is an OpenEXR file of two layers, so that any EXR tool can list and dump it, though it
+//! The file is an OpenEXR file of two layers or more, so that any EXR tool can list and dump it, though it
 //! is no picture. Numbers of 64 bits, whether `f64` or `u64`, are two channels of whole numbers,
 //! `name.high` and `name.low`.
 //!
 //! | layer | a row is | a column is | channels |
 //! |---|---|---|---|
 //! | `tiles` | a tile | there is one | its number on the film, samples done, samples dropped, a checksum |
+//! | `extras` | the same tile | a pixel of it, row by row; small tiles end early | the further sums of [`Extras`], if there are any |
+//! | `shapes` | a tile's share of a list | an entry of it; a tile begins in a row of its own | which shapes its pixels see, if anybody asks |
 //! | `pixels` | the same tile | a pixel of it, row by row; small tiles end early | the sums of [`Pixel`](super::Pixel) |
 //!
 //! The attribute `twintree:part` carries a [`Record`] as JSON. The checksum of a tile covers the
 //! record, the tile's row and its pixels, so that a part that was changed by a hand or a disk is
 //! found out. Rows are written and read a block at a time: the film is never held twice.
 
+mod content;
+mod kinds;
 mod numbers;
 mod read;
 #[cfg(test)]
@@ -27,11 +31,11 @@ mod write;
 pub use read::PartReader;
 pub use write::{Packing, write};
 
-use super::Shard;
+use super::{Extras, Shard};
 use serde::{Deserialize, Serialize};
 
 /// Version of the file's layout. Another one is refused.
-const LAYOUT: u32 = 5;
+const LAYOUT: u32 = 6;
 /// Name of the attribute with the record.
 const ATTRIBUTE: &str = "twintree:part";
 
@@ -84,6 +88,9 @@ pub struct Record {
     pub goal: Option<u64>,
     /// The share of the film that was asked for.
     pub shard: Shard,
+    /// What its pixels carry besides.
+    #[serde(default)]
+    pub extras: Extras,
     /// How it came to be.
     pub origin: Origin,
 }

@@ -1,5 +1,6 @@
 //! Tiles and pixels as rows of 64-bit numbers, and those as EXR's 32-bit ones.
 
+use crate::film::mattes::{ShapeSum, ShapeSums};
 use crate::film::{FeatureSums, Late, Pixel, Tile};
 use xxhash_rust::xxh3::Xxh3;
 
@@ -39,8 +40,11 @@ pub const PIXEL: [&str; 31] = [
     "worth_squares",
 ];
 
+/// What is stored of a shape that a pixel sees, sorted too: where and which, and how much of it.
+pub const SHAPE: [&str; 2] = ["place", "weight"];
+
 /// What is stored of a tile, sorted too.
-pub const TILE: [&str; 8] = [
+pub const TILE: [&str; 9] = [
     "check",
     "done",
     "dropped",
@@ -49,6 +53,7 @@ pub const TILE: [&str; 8] = [
     "first.x",
     "first.y",
     "index",
+    "shapes",
 ];
 
 /// The halves of a 64-bit number, in the order of their channels.
@@ -105,31 +110,69 @@ pub fn to_pixel(n: &PixelNumbers) -> Pixel {
     }
 }
 
+/// Those of a tile, in the order of [`TILE`].
+pub type TileNumbers = [u64; TILE.len()];
+
+/// Those of a shape that a pixel sees, in the order of [`SHAPE`].
+pub type ShapeNumbers = [u64; SHAPE.len()];
+
+/// The shapes that the pixels of a tile see. The number of a shape is one more here: what is 0
+/// only fills a row.
+pub fn of_shapes(tile: &Tile) -> Vec<ShapeNumbers> {
+    let numbers = |(pixel, sum): (u32, ShapeSum)| {
+        let place = (u64::from(pixel) << 32) | (u64::from(sum.shape) + 1);
+        [place, sum.weight.to_bits()]
+    };
+    tile.all_shapes().map(numbers).collect()
+}
+
+/// The shapes that so many pixels see. None if they are not in order, or of other pixels, or more
+/// shapes than that.
+pub fn to_shapes(list: &[ShapeNumbers], pixels: usize, shapes: usize) -> Option<Vec<ShapeSums>> {
+    let mut sums = vec![ShapeSums::new(); pixels];
+    let mut last = 0;
+    for &[place, weight] in list {
+        let (pixel, shape) = ((place >> 32) as usize, (place as u32).checked_sub(1)?);
+        if place <= last || shape as usize >= shapes {
+            return None;
+        }
+        last = place;
+        sums.get_mut(pixel)?.push(ShapeSum {
+            shape,
+            weight: f64::from_bits(weight),
+        });
+    }
+    Some(sums)
+}
+
 /// The numbers of tile number `index` in the order of [`TILE`]; `seal` is that of the record.
-pub fn of_tile(index: usize, tile: &Tile, seal: u64) -> [u64; 8] {
+pub fn of_tile(index: usize, tile: &Tile, seal: u64) -> TileNumbers {
     let (x, y, sample) = tile.first_invalid.unwrap_or_default();
     let known = u64::from(tile.first_invalid.is_some());
-    let mut row = [0, tile.done, tile.invalid, known, sample, 0, 0, 0];
+    let shapes = tile.all_shapes().count() as u64;
+    let mut row = [0, tile.done, tile.invalid, known, sample, 0, 0, 0, shapes];
     (row[5], row[6], row[7]) = (u64::from(x), u64::from(y), index as u64);
-    row[0] = check(&row, &tile.pixels, seal);
+    row[0] = check(&row, tile, seal);
     row
 }
 
 /// Number of a tile on the film, from its row.
-pub fn index_of(row: &[u64; 8]) -> u64 {
+pub fn index_of(row: &TileNumbers) -> u64 {
     row[7]
 }
 
-/// Puts a row and its pixels into the tile that the row is about. `false` if the checksum is wrong.
-pub fn to_tile(row: &[u64; 8], pixels: Vec<Pixel>, seal: u64, tile: &mut Tile) -> bool {
-    if check(row, &pixels, seal) != row[0] {
-        return false;
-    }
+/// How many shapes the pixels of a tile see together, from its row.
+pub fn shapes_of(row: &TileNumbers) -> usize {
+    usize::try_from(row[8]).unwrap_or(usize::MAX)
+}
+
+/// Puts a row into the tile that it is about, whose sums are those of the file. `false` if the
+/// checksum is wrong.
+pub fn to_tile(row: &TileNumbers, seal: u64, tile: &mut Tile) -> bool {
     tile.done = row[1];
     tile.invalid = row[2];
     tile.first_invalid = (row[3] != 0).then_some((row[5] as u32, row[6] as u32, row[4]));
-    tile.pixels = pixels;
-    true
+    check(row, tile, seal) == row[0]
 }
 
 /// The checksum that a record gives to all tiles.
@@ -137,8 +180,8 @@ pub fn seal(record: &str) -> u64 {
     xxhash_rust::xxh3::xxh3_64(record.as_bytes())
 }
 
-/// The checksum of a tile: everything in the row but itself, and the pixels.
-fn check(row: &[u64; 8], pixels: &[Pixel], seal: u64) -> u64 {
+/// The checksum of a tile: everything in the row but itself, and the sums.
+fn check(row: &TileNumbers, tile: &Tile, seal: u64) -> u64 {
     let mut hash = Xxh3::new();
     hash.update(&seal.to_le_bytes());
     let mut add = |numbers: &[u64]| {
@@ -147,7 +190,9 @@ fn check(row: &[u64; 8], pixels: &[Pixel], seal: u64) -> u64 {
         }
     };
     add(&row[1..]);
-    pixels.iter().for_each(|pixel| add(&of_pixel(pixel)));
+    tile.pixels.iter().for_each(|pixel| add(&of_pixel(pixel)));
+    tile.extras.iter().for_each(|sum| add(&[sum.to_bits()]));
+    of_shapes(tile).iter().for_each(|numbers| add(numbers));
     hash.digest()
 }
 
@@ -159,6 +204,11 @@ pub fn half(numbers: &[u64], channel: usize) -> u32 {
     } else {
         number as u32
     }
+}
+
+/// The same of one of several reals.
+pub fn half_of(reals: &[f64], channel: usize) -> u32 {
+    half(&[reals[channel / 2].to_bits()], channel % 2)
 }
 
 /// Puts a half into its number.

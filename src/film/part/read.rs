@@ -1,8 +1,10 @@
 //! Reading parts. Nothing in the file is believed: sizes, numbers and checksums are all compared.
 
-use super::numbers::{self, HALVES, PIXEL, TILE};
+use super::content::{Content, extras, pixels, shapes};
+use super::kinds::Kind;
+use super::numbers::{self, TileNumbers};
 use super::{ATTRIBUTE, LAYOUT, Record};
-use crate::film::{Film, Pixel, TILE_SIZE, Tile};
+use crate::film::{Extras, Film, Tile};
 use crate::image::{ImageError, regular};
 use exr::block::UncompressedBlock;
 use exr::block::reader::{ChunksReader, Reader};
@@ -23,6 +25,7 @@ pub struct PartReader {
     record: Record,
     seal: u64,
     rows: usize,
+    kinds: Vec<Kind>,
     file: Reader<BufReader<File>>,
 }
 
@@ -50,8 +53,9 @@ impl PartReader {
         let file = regular::open(path).map_err(|e| e.to_string())?;
         let file = exr::block::read(BufReader::with_capacity(1 << 20, file), true)
             .map_err(|e| format!("this is not a part of a render ({e})"))?;
-        let [tiles, pixels] = file.headers() else {
-            return Err("this is not a part of a render: those have two layers".into());
+        let headers = file.headers();
+        let [tiles, _, ..] = headers else {
+            return Err("this is not a part of a render: those have two layers or more".into());
         };
         let name = |n: &exr::meta::attribute::Text| *n == *ATTRIBUTE;
         let attributes = &tiles.own_attributes.other;
@@ -62,8 +66,10 @@ impl PartReader {
         let text = text.ok_or("this is not a part of a render: it has no record")?;
         let record = parse(&text)?;
         let rows = tiles.layer_size.height();
-        let width = (TILE_SIZE * TILE_SIZE) as usize;
-        if !(fits(tiles, 1, rows, &TILE) && fits(pixels, width, rows, &PIXEL)) {
+        let kinds = Kind::of_parts(&record.extras);
+        let mut layers = headers.iter().zip(&kinds);
+        let fit = layers.all(|(header, kind)| fits(header, *kind, rows, &record.extras));
+        if headers.len() != kinds.len() || !fit {
             return Err("the part is damaged: its layers are not those of a part".into());
         }
         Ok(Self {
@@ -71,6 +77,7 @@ impl PartReader {
             record,
             seal: numbers::seal(&text),
             rows,
+            kinds,
             file,
         })
     }
@@ -80,7 +87,7 @@ impl PartReader {
         &self.record
     }
 
-    /// Reads all tiles into `film`, which must be of the record's region; `taken` is told each
+    /// Reads all tiles into `film`, which must be of the record's region and extras; `taken` is told each
     /// one's number before it is put there, and refuses by an error.
     ///
     /// # Errors
@@ -103,38 +110,43 @@ impl PartReader {
         if film.region() != self.record.region {
             return Err("the part is of another region of the film".into());
         }
+        if **film.extras() != self.record.extras {
+            return Err("the part carries other layers than the film".into());
+        }
         if self.rows > film.tiles().len() {
             return Err("the part is damaged: it has tiles that the film has not".into());
         }
         let damaged = |e: exr::error::Error| format!("the part is damaged ({e})");
         let mut chunks = self.file.all_chunks(true).map_err(damaged)?;
         let meta = chunks.meta_data().clone();
-        let mut rows = vec![[0; 8]; self.rows];
-        let mut blank = vec![true; self.rows];
+        let mut content = Content::new(self.rows);
         while let Some(chunk) = chunks.read_next_chunk() {
             let block = UncompressedBlock::decompress_chunk(chunk.map_err(damaged)?, &meta, true)
                 .map_err(damaged)?;
             let channels = &meta.headers[block.index.layer].channels;
-            if block.index.layer == 0 {
-                for line in block.lines(channels) {
-                    let (at, row) = (line.location, &mut rows[line.location.position.y()]);
-                    let half = halves(line.value).next().unwrap_or(0);
-                    numbers::put_half(row, at.channel, half);
-                }
-                continue;
-            }
             let first = block.index.pixel_position.y();
-            for (k, pixels) in pixels(&block, channels).into_iter().enumerate() {
-                let row = first + k;
-                let tile = place(&rows[row], film, taken)?;
-                let pixels = pixels[..tile.area()].to_vec();
-                if !numbers::to_tile(&rows[row], pixels, self.seal, tile) {
-                    return Err(format!("the part is damaged: tile {row} of it has changed"));
+            match self.kinds[block.index.layer] {
+                Kind::Tiles => content.add_rows(&block, channels),
+                Kind::Extras => {
+                    for (k, sums) in extras(&block, channels).into_iter().enumerate() {
+                        content.extras[first + k] = sums;
+                    }
                 }
-                blank[row] = false;
+                Kind::Shapes => content.add_shapes(first, shapes(&block, channels))?,
+                Kind::Pixels => {
+                    for (k, pixels) in pixels(&block, channels).into_iter().enumerate() {
+                        let tile = place(&content.rows[first + k], film, taken)?;
+                        if !content.complete(first + k, pixels, tile, &self.record, self.seal) {
+                            let row = first + k;
+                            return Err(format!(
+                                "the part is damaged: tile {row} of it has changed"
+                            ));
+                        }
+                    }
+                }
             }
         }
-        if blank.contains(&true) {
+        if content.blank.contains(&true) {
             return Err("the part is damaged: tiles are missing".into());
         }
         Ok(())
@@ -143,7 +155,7 @@ impl PartReader {
 
 /// The tile that a row is about.
 fn place<'a>(
-    row: &[u64; 8],
+    row: &TileNumbers,
     film: &'a mut Film,
     taken: &mut dyn FnMut(usize) -> Result<(), String>,
 ) -> Result<&'a mut Tile, String> {
@@ -177,46 +189,22 @@ fn parse(text: &str) -> Result<Record, String> {
 }
 
 /// Whether a layer is what the writer makes.
-fn fits(header: &Header, width: usize, rows: usize, numbers: &[&str]) -> bool {
-    let names = numbers
-        .iter()
-        .flat_map(|n| HALVES.map(|half| format!("{n}.{half}")));
+fn fits(header: &Header, kind: Kind, rows: usize, extras: &Extras) -> bool {
+    let names = kind.channels(extras);
     let channels = &header.channels.list;
     let whole = |c: &exr::meta::attribute::ChannelDescription| {
         c.sample_type == exr::meta::attribute::SampleType::U32 && c.sampling.area() == 1
     };
-    (header.layer_size.width(), header.layer_size.height()) == (width, rows)
+    let height = header.layer_size.height();
+    header.layer_size.width() == kind.width()
+        && match (kind, &extras.mattes) {
+            // No pixel sees a shape twice.
+            (Kind::Shapes, Some(mattes)) => height <= 1 + rows * (1 + mattes.shapes.len()),
+            _ => height == rows,
+        }
         && header.own_attributes.layer_position.x() == 0
         && header.own_attributes.layer_position.y() == 0
-        && channels.len() == 2 * numbers.len()
+        && channels.len() == names.len()
         && channels.iter().all(whole)
         && channels.iter().map(|c| c.name.to_string()).eq(names)
-}
-
-/// The numbers of a line.
-fn halves(line: &[u8]) -> impl Iterator<Item = u32> + '_ {
-    line.chunks_exact(4)
-        .map(|b| u32::from_ne_bytes([b[0], b[1], b[2], b[3]]))
-}
-
-/// The pixels of a block, row by row.
-fn pixels(
-    block: &UncompressedBlock,
-    channels: &exr::meta::attribute::ChannelList,
-) -> Vec<Vec<Pixel>> {
-    let (width, height) = (
-        block.index.pixel_size.width(),
-        block.index.pixel_size.height(),
-    );
-    let mut rows = vec![vec![[0; PIXEL.len()]; width]; height];
-    for line in block.lines(channels) {
-        let at = line.location;
-        let row = &mut rows[at.position.y() - block.index.pixel_position.y()];
-        for (pixel, half) in row.iter_mut().zip(halves(line.value)) {
-            numbers::put_half(pixel, at.channel, half);
-        }
-    }
-    rows.iter()
-        .map(|row| row.iter().map(numbers::to_pixel).collect())
-        .collect()
 }

@@ -2,28 +2,63 @@
 
 use super::*;
 use crate::film::filter::Filter;
-use crate::film::{Film, FilmDescription, FilmKind, Pixel};
+use crate::film::mattes::ShapeSum;
+use crate::film::{Film, FilmDescription, FilmKind, Mattes, Pixel, Tile};
 use crate::image::{Image, ImageError, WriteOptions};
 use crate::math::Pcg32;
 use std::path::Path;
 
-const PLACE: FilmDescription = FilmDescription {
-    width: 60,
-    height: 50,
-    crop: Some([3, 5, 55, 41]),
-    filter: Filter::Box { radius: 0.5 },
-    kind: FilmKind::Hdr,
-    exposure: 0.0,
-};
+fn place() -> FilmDescription {
+    FilmDescription {
+        width: 60,
+        height: 50,
+        crop: Some([3, 5, 55, 41]),
+        filter: Filter::Box { radius: 0.5 },
+        kind: FilmKind::Hdr,
+        exposure: 0.0,
+        extras: Default::default(),
+    }
+}
+
+/// Five further sums, and three shapes.
+fn extras() -> Extras {
+    Extras {
+        position: true,
+        origin: [0.1, -1e300, 5.0],
+        uv: true,
+        mattes: Some(Mattes::new([["a", "x"], ["b", "x"], ["\u{e4}", "y"]])),
+        ..Extras::default()
+    }
+}
 
 /// A film whose sums are any bits at all, NaNs and infinities among them.
 fn noise(shard: Shard, seed: u64) -> Film {
-    let mut film = Film::shard(&PLACE, shard);
+    noise_with(shard, seed, Extras::default())
+}
+
+/// The same with further sums.
+fn noise_with(shard: Shard, seed: u64, extras: Extras) -> Film {
+    let place = FilmDescription {
+        extras: extras.into(),
+        ..place()
+    };
+    let mut film = Film::shard(&place, shard);
     let mut rng = Pcg32::new(seed, 3);
     let mut bits = move || u64::from(rng.next_u32()) << 32 | u64::from(rng.next_u32());
     for tile in film.tiles_mut().iter_mut().filter(|t| t.is_held()) {
         for pixel in &mut tile.pixels {
             *pixel = numbers::to_pixel(&std::array::from_fn(|_| bits()));
+        }
+        for sum in &mut tile.extras {
+            *sum = f64::from_bits(bits());
+        }
+        for shapes in &mut tile.shapes {
+            for shape in 0..3 {
+                let weight = f64::from_bits(bits());
+                if bits() % 2 == 0 {
+                    shapes.push(ShapeSum { shape, weight });
+                }
+            }
         }
         tile.done = bits();
         tile.invalid = bits();
@@ -44,6 +79,7 @@ fn record(shard: Shard) -> Record {
         frame: Some([100, 90]),
         goal: Some(u64::MAX),
         shard,
+        extras: Extras::default(),
         origin: Origin {
             scene: "sz\u{eb}ne \u{1f332}\n\"\\.xml".into(),
             ..Origin::default()
@@ -57,20 +93,33 @@ type TileBits = (
     u64,
     Option<(u32, u32, u64)>,
     Vec<numbers::PixelNumbers>,
+    Vec<u64>,
+    Vec<numbers::ShapeNumbers>,
 );
 
 fn bits(film: &Film) -> Vec<TileBits> {
     let pixels = |p: &[Pixel]| p.iter().map(numbers::of_pixel).collect();
+    let extras = |sums: &[f64]| sums.iter().map(|sum| sum.to_bits()).collect();
     let tiles = film.tiles().iter();
-    tiles
-        .map(|t| (t.done, t.invalid, t.first_invalid, pixels(&t.pixels)))
-        .collect()
+    let bits = |t: &Tile| {
+        let sums = (pixels(&t.pixels), extras(&t.extras));
+        (
+            t.done,
+            t.invalid,
+            t.first_invalid,
+            sums.0,
+            sums.1,
+            numbers::of_shapes(t),
+        )
+    };
+    tiles.map(bits).collect()
 }
 
 fn read(path: &Path) -> Result<(Record, Film), ImageError> {
     let reader = PartReader::open(path)?;
     let record = reader.record().clone();
-    let mut film = Film::vacant([3, 5, 55, 41]);
+    let extras = record.extras.clone();
+    let mut film = Film::vacant_with([3, 5, 55, 41], extras.into());
     reader.read_into(&mut film, &mut |_| Ok(()))?;
     Ok((record, film))
 }
@@ -90,6 +139,46 @@ fn every_bit_comes_back() {
         }
     }
     assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn further_sums_come_back_too_and_a_film_without_them_refuses_the_part() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("part.exr");
+    let shard = Shard { index: 1, count: 3 };
+    let (film, plain) = (noise_with(shard, 5, extras()), noise(shard, 5));
+    let record = Record {
+        extras: extras(),
+        ..record(shard)
+    };
+    for packing in [Packing::Fast, Packing::Small] {
+        write(&path, &record, &film, packing).unwrap();
+        let (back, again) = read(&path).unwrap();
+        assert_eq!(back, record);
+        assert!(bits(&again) == bits(&film), "{packing:?}");
+        assert_ne!(bits(&again), bits(&plain));
+    }
+    let mut without = Film::vacant([3, 5, 55, 41]);
+    let reader = PartReader::open(&path).unwrap();
+    let e = reader.read_into(&mut without, &mut |_| Ok(())).unwrap_err();
+    assert!(e.reason.contains("layers"), "{e}");
+}
+
+#[test]
+fn shapes_that_are_none_or_out_of_order_are_refused() {
+    let entry = |pixel: u64, shape: u64| [(pixel << 32) | (shape + 1), 0];
+    let sums = numbers::to_shapes(&[entry(0, 2), entry(1, 0), entry(1, 1)], 2, 3);
+    let counts: Vec<usize> = sums.unwrap().iter().map(Vec::len).collect();
+    assert_eq!(counts, [1, 2]);
+    for odd in [
+        vec![entry(0, 3)],
+        vec![entry(2, 0)],
+        vec![entry(0, 1), entry(0, 1)],
+        vec![entry(1, 0), entry(0, 0)],
+        vec![[1 << 32, 0]],
+    ] {
+        assert!(numbers::to_shapes(&odd, 2, 3).is_none(), "{odd:?}");
+    }
 }
 
 /// Changes of one byte anywhere: an error, or (in bytes that carry nothing) the same part.

@@ -1,8 +1,9 @@
 //! Writing parts.
 
-use super::numbers::{self, HALVES, PIXEL, TILE};
+use super::kinds::Kind;
+use super::numbers::{self, ShapeNumbers, TileNumbers};
 use super::{ATTRIBUTE, LAYOUT, Record};
-use crate::film::{Film, TILE_SIZE, Tile};
+use crate::film::{Extras, Film, Tile};
 use crate::image::{ImageError, atomic};
 use exr::block::lines::LineRefMut;
 use exr::block::writer::ChunksWriter;
@@ -13,7 +14,7 @@ use exr::meta::BlockDescription;
 use exr::meta::attribute::{
     AttributeValue, ChannelDescription, IntegerBounds, LineOrder, SampleType, Text,
 };
-use exr::meta::header::{ImageAttributes, LayerAttributes};
+use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
 use exr::prelude::Compression;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -91,11 +92,17 @@ fn encode(file: &Path, record: &str, film: &Film, packing: Packing) -> UnitResul
         .enumerate()
         .filter(|(_, t)| t.is_held())
         .collect();
-    let rows: Vec<[u64; 8]> = held
+    let rows: Vec<TileNumbers> = held
         .par_iter()
         .map(|(index, tile)| numbers::of_tile(*index, tile, seal))
         .collect();
-    let headers = headers(record, held.len(), packing);
+    let extras = &**film.extras();
+    let kinds = Kind::of_parts(extras);
+    let content = Content::new(held, rows, extras);
+    let headers: Vec<Header> = kinds
+        .iter()
+        .map(|kind| header(record, content.rows_of(*kind), *kind, packing, extras))
+        .collect();
     let buffer = BufWriter::with_capacity(1 << 20, File::create(file)?);
     exr::block::write(buffer, headers.into(), true, |meta, chunks| {
         let blocks: Vec<(usize, BlockIndex)> =
@@ -106,7 +113,7 @@ fn encode(file: &Path, record: &str, film: &Film, packing: Packing) -> UnitResul
                 .map(|(place, block)| {
                     let channels = &meta.headers[block.layer].channels;
                     let block = UncompressedBlock::from_lines(channels, *block, |line| {
-                        fill_line(line, &held, &rows);
+                        content.fill(line, kinds[block.layer]);
                     });
                     (*place, block.compress_to_chunk(&meta.headers))
                 })
@@ -119,53 +126,86 @@ fn encode(file: &Path, record: &str, film: &Film, packing: Packing) -> UnitResul
     })
 }
 
-/// Fills one channel of one row.
-fn fill_line(line: LineRefMut<'_>, held: &[(usize, &Tile)], rows: &[[u64; 8]]) {
-    let at = line.location;
-    let row = at.position.y();
-    let pixels = &held[row].1.pixels;
-    let halves = line.value.chunks_exact_mut(4).enumerate();
-    for (i, to) in halves {
-        let half = match (at.layer, pixels.get(i)) {
-            (0, _) => numbers::half(&rows[row], at.channel),
-            (_, Some(pixel)) => numbers::half(&numbers::of_pixel(pixel), at.channel),
-            (_, None) => 0,
+/// What is written.
+struct Content<'f> {
+    /// The tiles, with their numbers on the film.
+    held: Vec<(usize, &'f Tile)>,
+    rows: Vec<TileNumbers>,
+    /// What pixels see, each tile's in rows of its own.
+    shapes: Vec<ShapeNumbers>,
+}
+
+impl<'f> Content<'f> {
+    fn new(held: Vec<(usize, &'f Tile)>, rows: Vec<TileNumbers>, extras: &Extras) -> Self {
+        let width = Kind::Shapes.width();
+        let mut shapes = Vec::new();
+        for (_, tile) in held.iter().filter(|_| extras.mattes.is_some()) {
+            shapes.extend(numbers::of_shapes(tile));
+            shapes.resize(shapes.len().next_multiple_of(width), [0; 2]);
+        }
+        // An image has a row at least.
+        shapes.resize(shapes.len().max(width), [0; 2]);
+        Self { held, rows, shapes }
+    }
+
+    /// Rows of a layer.
+    fn rows_of(&self, kind: Kind) -> usize {
+        match kind {
+            Kind::Shapes => self.shapes.len() / kind.width(),
+            _ => self.rows.len(),
+        }
+    }
+
+    /// Fills one channel of one row.
+    fn fill(&self, line: LineRefMut<'_>, kind: Kind) {
+        let (row, channel) = (line.location.position.y(), line.location.channel);
+        let halves = line.value.chunks_exact_mut(4).enumerate();
+        let tile = |i: usize| {
+            let tile = self.held[row].1;
+            (i < tile.pixels.len()).then_some(tile)
         };
-        to.copy_from_slice(&half.to_ne_bytes());
+        for (i, to) in halves {
+            let half = match kind {
+                Kind::Tiles => Some(numbers::half(&self.rows[row], channel)),
+                Kind::Shapes => {
+                    let entry = &self.shapes[row * kind.width() + i];
+                    Some(numbers::half(entry, channel))
+                }
+                Kind::Pixels => tile(i).map(|tile| {
+                    let pixel = numbers::of_pixel(&tile.pixels[i]);
+                    numbers::half(&pixel, channel)
+                }),
+                Kind::Extras => tile(i).map(|tile| numbers::half_of(tile.extras_of(i), channel)),
+            };
+            to.copy_from_slice(&half.unwrap_or(0).to_ne_bytes());
+        }
     }
 }
 
-/// The headers of the two layers.
-fn headers(record: &str, rows: usize, packing: Packing) -> Vec<exr::meta::header::Header> {
+/// The header of a layer of a part.
+fn header(record: &str, rows: usize, kind: Kind, packing: Packing, extras: &Extras) -> Header {
     let text = |s: &str| Text::from(s);
     let compression = match packing {
         Packing::Fast => Compression::Uncompressed,
         Packing::Small => Compression::ZIP16,
     };
-    let width = (TILE_SIZE * TILE_SIZE) as usize;
-    let window = IntegerBounds::from_dimensions((width, rows));
-    let layer = |name: &str, width: usize, numbers: &[&str]| {
-        let channel = |number: &str, half: &str| {
-            let name = Text::from(format!("{number}.{half}").as_str());
-            ChannelDescription::new(name, SampleType::U32, true)
-        };
-        let channels = numbers
-            .iter()
-            .flat_map(|n| HALVES.map(|half| channel(n, half)))
-            .collect();
-        let mut own = LayerAttributes::named(text(name));
-        let program = concat!("twintree ", env!("CARGO_PKG_VERSION"));
-        own.software_name = Some(text(program));
-        own.other
-            .insert(text(ATTRIBUTE), AttributeValue::Text(text(record)));
-        exr::meta::header::Header::new(text(name), Vec2(width, rows), channels)
-            .with_encoding(
-                compression,
-                BlockDescription::ScanLines,
-                LineOrder::Increasing,
-            )
-            .with_attributes(own)
-            .with_shared_attributes(ImageAttributes::new(window))
-    };
-    vec![layer("tiles", 1, &TILE), layer("pixels", width, &PIXEL)]
+    let width = kind.width();
+    // The same for all layers, whatever they hold.
+    let window = (Kind::Pixels.width(), 1);
+    let channels = kind.channels(extras);
+    let channel = |name: &String| ChannelDescription::new(text(name), SampleType::U32, true);
+    let mut own = LayerAttributes::named(text(kind.name()));
+    let program = concat!("twintree ", env!("CARGO_PKG_VERSION"));
+    own.software_name = Some(text(program));
+    own.other
+        .insert(text(ATTRIBUTE), AttributeValue::Text(text(record)));
+    let channels = channels.iter().map(channel).collect();
+    Header::new(text(kind.name()), Vec2(width, rows), channels)
+        .with_encoding(
+            compression,
+            BlockDescription::ScanLines,
+            LineOrder::Increasing,
+        )
+        .with_attributes(own)
+        .with_shared_attributes(ImageAttributes::new(IntegerBounds::from_dimensions(window)))
 }

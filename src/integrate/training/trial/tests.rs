@@ -34,6 +34,7 @@ fn a_trial_has_as_many_paths_as_it_may_and_never_too_few() {
         filter: Filter::Box { radius: 0.5 },
         kind: FilmKind::Hdr,
         exposure: 0.0,
+        extras: Default::default(),
     };
     // 96 x 64 pixels are 24 tiles.
     let small = Scope::new(&film(96, 64), 0);

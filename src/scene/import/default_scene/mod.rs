@@ -143,6 +143,7 @@ fn film(aspect: f64) -> FilmDescription {
         filter: Filter::Gaussian { stddev: 0.5 },
         kind: FilmKind::Hdr,
         exposure: 0.0,
+        extras: Default::default(),
     }
 }
 

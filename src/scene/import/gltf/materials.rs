@@ -129,6 +129,14 @@ impl Importer<'_> {
             Some(id) => id,
             None => self.surface(material, variant, core, &of)?,
         };
+        if self.only_material.is_none() {
+            let name = match (&material.name, variant.index) {
+                (Some(name), _) => name.clone(),
+                (None, Some(index)) => format!("material.{index}"),
+                (None, None) => "default".into(),
+            };
+            self.parts.materials.set_name(id, name);
+        }
         // What is half there sends half of the light: coverage counts for all that a surface does.
         let opacity = self.parts.materials.opacity_texture(id);
         let finish = Finish {

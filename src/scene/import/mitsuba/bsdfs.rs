@@ -22,6 +22,11 @@ impl<'a> Importer<'a> {
         let instead = "grey takes its place";
         let grey = |importer: &mut Self| (importer.default_bsdf(false), 1);
         let made = self.or_instead(index, made, instead, grey);
+        if !self.default_material.contains(&Some(made.0)) {
+            let plugin = &self.document.objects[index].plugin;
+            let name = self.name_of(index, plugin);
+            self.materials.set_name(made.0, name);
+        }
         self.material_of.insert(index, made);
         made.0
     }
@@ -56,6 +61,8 @@ impl<'a> Importer<'a> {
         let id = self.materials.push(Diffuse {
             reflectance: Texture::Constant(reflectance),
         });
+        let name = if glows { "default.black" } else { "default" };
+        self.materials.set_name(id, name);
         self.default_material[usize::from(glows)] = Some(id);
         id
     }

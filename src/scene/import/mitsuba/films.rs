@@ -18,6 +18,7 @@ pub(super) fn default_film() -> FilmDescription {
         filter: Filter::Gaussian { stddev: 0.5 },
         kind: FilmKind::Hdr,
         exposure: 0.0,
+        extras: Default::default(),
     }
 }
 
@@ -63,6 +64,7 @@ impl<'a> Importer<'a> {
             filter,
             kind,
             exposure,
+            extras: Default::default(),
         })
     }
 

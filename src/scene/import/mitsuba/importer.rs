@@ -22,6 +22,8 @@ pub(super) struct Importer<'a> {
     pub options: &'a ImportOptions,
     pub warnings: Vec<String>,
     told: HashSet<String>,
+    /// How many objects without an id were called after the same word.
+    called: HashMap<String, u32>,
     /// Steps through shapes and integrators that hold others.
     nested: usize,
     pub materials: Materials,
@@ -68,6 +70,7 @@ impl<'a> Importer<'a> {
             options,
             warnings: Vec::new(),
             told: HashSet::new(),
+            called: HashMap::new(),
             nested: 0,
             materials: Materials::default(),
             material_of: HashMap::new(),
@@ -102,6 +105,23 @@ impl<'a> Importer<'a> {
             }
             plain(self)
         })
+    }
+
+    /// What object `index` is called: its id, or `word` and a number, the first without.
+    pub fn name_of(&mut self, index: usize, word: &str) -> String {
+        let object = &self.document.objects[index];
+        if let Some(id) = &object.id {
+            return id.clone();
+        }
+        let count = self
+            .called
+            .entry(format!("{} {word}", object.tag))
+            .or_default();
+        *count += 1;
+        match *count {
+            1 => word.to_owned(),
+            n => format!("{word}.{n}"),
+        }
     }
 
     /// Counts a step into something that holds others.

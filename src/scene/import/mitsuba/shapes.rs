@@ -75,15 +75,14 @@ impl<'a> Importer<'a> {
         // Mitsuba measures light at shapes with sensors; only the scene's own sensor matters here.
         let _ = p.children("sensor");
         p.ignore(&["silhouette_sampling_weight"]);
-        let object = &self.document.objects[index];
-        let name = match (&object.id, &geometry) {
-            (Some(id), _) => id.clone(),
-            (None, PendingGeometry::File(request)) => {
+        let word = match &geometry {
+            PendingGeometry::File(request) => {
                 let file = request.path.file_name();
                 file.map_or_else(String::new, |f| f.to_string_lossy().into_owned())
             }
-            (None, _) => object.plugin.clone(),
+            PendingGeometry::Ready(_) => p.plugin().to_owned(),
         };
+        let name = self.name_of(index, &word);
         self.shapes.push(PendingShape {
             name,
             geometry,

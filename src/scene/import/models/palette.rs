@@ -80,14 +80,15 @@ impl Paint {
             metal => conductor(metal, tint()),
         };
         let opaque = !material.transmits();
-        let id = materials.push(material);
-        if !opaque {
-            return id;
+        let mut id = materials.push(material);
+        if opaque {
+            id = materials.push(Material::TwoSided {
+                front: id,
+                back: id,
+            });
         }
-        materials.push(Material::TwoSided {
-            front: id,
-            back: id,
-        })
+        materials.set_name(id, &*self.name);
+        id
     }
 }
 

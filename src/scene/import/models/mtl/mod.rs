@@ -78,6 +78,10 @@ impl Library {
             parts,
         };
         let material = reader.material(colored)?;
+        let name = reader.name;
+        if !name.is_empty() {
+            reader.parts.materials.set_name(material, name);
+        }
         Ok((material, reader.radiance()?))
     }
 }
