@@ -69,6 +69,7 @@ pub fn extras(asked: &[Aov], scene: &Description) -> Extras {
         },
         uv: has(Aov::Uv),
         geometric_normal: has(Aov::GeometricNormal),
+        alpha: false,
         mattes: has(Aov::Cryptomatte).then(|| mattes(scene)),
     }
 }

@@ -112,6 +112,7 @@ fn in_effect(way: Guide, view: &View) -> Value {
         "max_depth": path.max_depth,
         "rr_depth": path.rr_depth,
         "hide_emitters": path.hide_emitters,
+        "alpha": film.extras.alpha,
         "strict_normals": path.strict_normals,
         "sampler": path.sampler,
         "guide": format!("{way:?}"),

@@ -18,6 +18,10 @@ pub struct PictureArgs {
     /// Render this part only, upper bounds not included
     #[arg(long, value_name = "X0,Y0,X1,Y1", allow_hyphen_values = true)]
     pub crop: Option<Crop>,
+    /// An alpha channel: the background is transparent, and the camera itself does not see what
+    /// shines there. A scene asks for it by the film's pixel_format rgba and hide_emitters
+    #[arg(long)]
+    pub alpha: bool,
     /// Reconstruction filter [default: the scene's]
     #[arg(long, value_name = "NAME", value_parser = FILTERS)]
     pub rfilter: Option<Filter>,

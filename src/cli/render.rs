@@ -97,8 +97,7 @@ fn render(
     };
     let description = &loaded.description;
     let (width, height) = (description.film.width, description.film.height);
-    let guided = settings::guided_settings(&args.guide.guided);
-    let settings = settings::path_settings(&args.light, &description.render, guided);
+    let settings = settings::of_render(args, &description.render);
     let limits = settings::limits(&args.stop, &description.render);
     let camera = Camera::new(&description.camera, width, height);
     view::warn(&scene, &camera, &description.camera, &description.film);

@@ -20,7 +20,9 @@ use std::sync::Arc;
 /// # Errors
 /// When the crop does not fit, or the film does not fit into memory.
 pub fn apply_to_film(args: &RenderArgs, description: &mut Description) -> Result<(), Failure> {
-    let extras = aov::extras(&args.files.aov, description);
+    let mut extras = aov::extras(&args.files.aov, description);
+    let hidden = args.light.hide_emitters || description.render.hide_emitters;
+    extras.alpha = args.picture.alpha || (description.render.alpha && hidden);
     let film = &mut description.film;
     resize(film, args.picture.size);
     crop(film, &args.picture)?;
@@ -104,6 +106,15 @@ pub fn check_memory([x0, y0, x1, y1]: [u32; 4], extras: &Extras) -> Result<(), F
     }
 }
 
+/// How the paths of a render are traced.
+pub fn of_render(args: &RenderArgs, scene: &RenderDescription) -> PathSettings {
+    let guided = guided_settings(&args.guide.guided);
+    PathSettings {
+        hide_environment: args.picture.alpha,
+        ..path_settings(&args.light, scene, guided)
+    }
+}
+
 /// How paths are traced: the scene's words, then the command line's.
 ///
 /// Sobol points drive the samples unless the command line says otherwise, with and without a field,
@@ -123,6 +134,7 @@ pub fn path_settings(
         rr_depth: args.rr_depth.unwrap_or(scene.rr_depth),
         guided,
         hide_emitters: args.hide_emitters || scene.hide_emitters,
+        hide_environment: false,
         strict_normals: args.strict_normals || scene.strict_normals,
         sampler: args.sampler.unwrap_or(SamplerKind::Sobol),
         seed: args.seed,

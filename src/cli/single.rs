@@ -30,11 +30,7 @@ pub fn run(args: &RenderArgs, PixelSample { pixel, sample }: PixelSample) -> Res
     let scene = loaded.build(&args.rays)?;
     let description = &loaded.description;
     let film = &description.film;
-    let settings = settings::path_settings(
-        &args.light,
-        &description.render,
-        settings::guided_settings(&args.guide.guided),
-    );
+    let settings = settings::of_render(args, &description.render);
     let limits = settings::limits(&args.stop, &description.render);
     let camera = Camera::new(&description.camera, film.width, film.height);
     let plain = View {

@@ -21,6 +21,8 @@ pub struct Extras {
     pub uv: bool,
     /// Its geometric normal.
     pub geometric_normal: bool,
+    /// How much of the pixel is covered: the alpha channel.
+    pub alpha: bool,
     /// Which shapes are seen, and what they are called.
     pub mattes: Option<Mattes>,
 }
@@ -53,7 +55,7 @@ impl Extras {
 
     /// Sums of a pixel.
     pub fn count(&self) -> usize {
-        self.normals().end
+        self.alphas().end
     }
 
     /// Bytes that a pixel takes more, about.
@@ -80,6 +82,11 @@ impl Extras {
     /// Those of geometric normals.
     pub fn normals(&self) -> Range<usize> {
         after(self.uvs().end, self.geometric_normal, 3)
+    }
+
+    /// That of what is covered.
+    pub fn alphas(&self) -> Range<usize> {
+        after(self.normals().end, self.alpha, 1)
     }
 }
 

@@ -3,6 +3,7 @@
 //! | channels | what | who reads them |
 //! |---|---|---|
 //! | `R G B` | the picture | everyone |
+//! | `A` | how much of the pixel is covered, if the film carries that; the picture is multiplied by it | everyone |
 //! | `albedo.R albedo.G albedo.B` | reflectance of the first rough surface, behind mirrors and glass | denoisers |
 //! | `normal.X normal.Y normal.Z` | its normal, world space | denoisers |
 //! | `albedo.first.R albedo.first.G albedo.first.B` | reflectance of the first surface | Blender, Nuke |
@@ -115,6 +116,21 @@ const PICTURE: Layer = Layer {
     stored: None,
     read: |seen, out| out.extend(seen.pixel.mean().map(single)),
 };
+const ALPHA: Layer = Layer {
+    names: &["A"],
+    stored: None,
+    read: |seen, out| {
+        let weight = seen.pixel.weight;
+        let sums = seen.sums_at(seen.extras.alphas(), 1);
+        out.extend(sums.map(|sum| {
+            if weight > 0.0 {
+                single(sum / weight)
+            } else {
+                0.0
+            }
+        }));
+    },
+};
 const ALBEDO: Layer = Layer {
     names: &["albedo.R", "albedo.G", "albedo.B"],
     stored: None,
@@ -215,6 +231,7 @@ impl Film {
         let extras = &**self.extras();
         let wanted = [
             (true, PICTURE),
+            (extras.alpha, ALPHA),
             (layers.albedo, ALBEDO),
             (layers.normal, NORMAL),
             (layers.first_albedo, FIRST_ALBEDO),

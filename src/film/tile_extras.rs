@@ -21,8 +21,8 @@ impl Tile {
     /// Adds a finite sample to the further sums of pixel `i`.
     pub(super) fn add_extras(&mut self, i: usize, of: &Extras, s: &Sample, extra: &ExtraSample) {
         let first = extra.first.filter(|_| s.depth > 0.0);
+        let weight = f64::from(s.worth) * f64::from(s.weight);
         if let (Some(first), Some(shapes)) = (first, self.shapes.get_mut(i)) {
-            let weight = f64::from(s.worth) * f64::from(s.weight);
             mattes::add(shapes, first.shape, weight);
         }
         let count = of.count();
@@ -34,6 +34,10 @@ impl Tile {
             add(&mut sums[of.positions()], &first.position.to_array());
             add(&mut sums[of.uvs()], &first.uv.to_array());
             add(&mut sums[of.normals()], &first.normal.to_array());
+        }
+        if let (true, [covered]) = (s.depth > 0.0, &mut sums[of.alphas()]) {
+            // By the weight of the picture's radiance, whose share it is.
+            *covered += weight;
         }
     }
 

@@ -131,6 +131,8 @@ fn types(image: &Image, format: Format, options: &WriteOptions) -> Vec<PixelType
 /// The channels that the format takes, with its curve.
 fn prepare(image: &Image, name: &str, format: Format, options: &WriteOptions) -> Image {
     let mut attributes = image.attributes.clone();
+    // Names of mattes are of use beside the mattes alone, and may be many.
+    attributes.retain(|a| format == Format::Exr || !a.name.starts_with("cryptomatte/"));
     if !name.is_empty() {
         attributes.push(Attribute::text("oiio:subimagename", name));
     }
@@ -165,13 +167,22 @@ fn prepare(image: &Image, name: &str, format: Format, options: &WriteOptions) ->
 }
 
 /// Turns linear light into what is shown of it: of the first three channels, or the only one.
+/// Where there is alpha, that of what covers the pixel is shown: PNG keeps colours that are not
+/// multiplied by alpha, and a curve bends those that are.
 fn show(image: &mut Image, options: &WriteOptions) {
     let gain = options.exposure.exp2();
+    let alpha = image.channel("A").filter(|alpha| *alpha >= 3);
     let colors = if image.channels.len() < 3 { 1 } else { 3 };
     for pixel in image.pixels.chunks_exact_mut(image.channels.len().max(1)) {
         let light = match colors {
             1 => Rgb::splat(pixel[0]),
             _ => Rgb::new(pixel[0], pixel[1], pixel[2]),
+        };
+        let light = match alpha.map(|alpha| pixel[alpha].clamp(0.0, 1.0)) {
+            // What covers nothing has no colour.
+            Some(0.0) => light * 0.0,
+            Some(alpha) => light / alpha,
+            None => light,
         };
         let shown = options.view.apply(light * gain);
         pixel[..colors].copy_from_slice(&shown[..colors]);
@@ -228,7 +239,9 @@ fn encode(
             let mut attributes = image.attributes.clone();
             attributes.push(Attribute::text("compression", compression.clone()));
             attributes.push(Attribute::text("oiio:ColorSpace", space));
-            attributes.push(Attribute::int("oiio:UnassociatedAlpha", 1));
+            // Colours of all formats but PNG are multiplied by alpha, as they are in memory.
+            let unassociated = i32::from(format != Format::Tiff);
+            attributes.push(Attribute::int("oiio:UnassociatedAlpha", unassociated));
             ImagePart {
                 image,
                 types: types(image, format, options),

@@ -24,7 +24,7 @@ pub(super) fn from_environment(
     let PathContext {
         scene, settings, ..
     } = *context;
-    let hidden = path.depth == 0 && settings.hide_emitters;
+    let hidden = path.depth == 0 && (settings.hide_emitters || settings.hide_environment);
     if hidden || !scene.lights.has_environment() {
         return Rgb::ZERO;
     }

@@ -16,6 +16,8 @@ pub struct PathSettings {
     pub guided: GuidedSettings,
     /// The camera itself does not see emitters.
     pub hide_emitters: bool,
+    /// The camera itself does not see what shines from outside the scene.
+    pub hide_environment: bool,
     /// Drop light that crosses a surface by its shading normal only.
     pub strict_normals: bool,
     /// Which numbers drive the samples.

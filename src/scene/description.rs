@@ -74,6 +74,8 @@ pub struct RenderDescription {
     pub rr_depth: u32,
     /// Emitters are not seen by the camera itself.
     pub hide_emitters: bool,
+    /// The film has an alpha channel, which is of use where emitters are hidden.
+    pub alpha: bool,
     /// Light that crosses a surface only by its shading normal is dropped.
     pub strict_normals: bool,
     /// Samples a pixel.
@@ -88,6 +90,7 @@ impl Default for RenderDescription {
             max_depth: None,
             rr_depth: 5,
             hide_emitters: false,
+            alpha: false,
             strict_normals: false,
             spp: 64,
             sampler: SamplerKind::Independent,

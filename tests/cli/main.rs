@@ -1,5 +1,6 @@
 //! What a user at the terminal notices: exit codes, messages, files.
 
+mod alpha;
 mod benching;
 mod checkpoints;
 mod comparing;

@@ -71,6 +71,7 @@ fn thumbnail(mut description: Description) {
         max_depth: description.render.max_depth.unwrap_or(8).min(8),
         rr_depth: description.render.rr_depth,
         hide_emitters: description.render.hide_emitters,
+        hide_environment: false,
         strict_normals: description.render.strict_normals,
         sampler: description.render.sampler,
         seed: 1,

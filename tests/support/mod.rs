@@ -211,6 +211,7 @@ pub fn settings() -> PathSettings {
         rr_depth: 5,
         guided: GuidedSettings::PLAIN,
         hide_emitters: false,
+        hide_environment: false,
         strict_normals: false,
         sampler: SamplerKind::Independent,
         seed: 1,

@@ -12,6 +12,7 @@ fn layers_hold_what_the_samples_said() {
         origin: [1e9, 0.0, -3.0],
         uv: true,
         geometric_normal: true,
+        alpha: true,
         mattes: Some(Mattes::new([["cube", "blue"], ["ball", "blue"]])),
     };
     let mut film = Film::new(&FilmDescription {
@@ -57,7 +58,7 @@ fn layers_hold_what_the_samples_said() {
         tile.done = 2;
     }
     let image = film.image(Layers::ALL, &Metadata::default());
-    assert_eq!(image.channels.len(), 31 + 24);
+    assert_eq!(image.channels.len(), 32 + 24);
     let pixel = image.pixel(18, 16);
     let at = |name: &str| pixel[image.channel(name).expect(name)];
     assert_eq!([at("R"), at("G"), at("B")], [18.0, 16.0, 2.0]);
@@ -81,10 +82,7 @@ fn layers_hold_what_the_samples_said() {
     let shares = ["CryptoObject00.g", "CryptoObject00.a", "CryptoMaterial00.g"].map(at);
     assert_eq!(shares, [0.5, 0.5, 1.0]);
     assert_eq!([at("albedo.G"), at("normal.Z")], [0.5, 1.0]);
-    assert_eq!(
-        film.image(Layers::NONE, &Metadata::default())
-            .channels
-            .len(),
-        3
-    );
+    assert_eq!(at("A"), 1.0);
+    let bare = film.image(Layers::NONE, &Metadata::default());
+    assert_eq!(bare.channel_names(), ["R", "G", "B", "A"]);
 }

@@ -68,7 +68,7 @@ impl<'a> Importer<'a> {
         })
     }
 
-    /// Images are R G B: what else a scene asks for is not silently left out.
+    /// Images are R G B, with or without alpha: what else a scene asks for is not silently left out.
     fn warn_of_format(&mut self, p: &Params<'a>) {
         let Some(format) = p.text("pixel_format") else {
             return;
@@ -78,7 +78,7 @@ impl<'a> Importer<'a> {
         let lower = format.to_ascii_lowercase();
         let mut odd = Vec::new();
         if lower.contains("rgba") || lower.contains("alpha") {
-            odd.push("images have no alpha channel: R G B are written");
+            self.render.alpha = true;
         }
         if lower.contains("luminance") || lower.contains("xyz") || lower.contains("spectrum") {
             odd.push("images are R G B");

@@ -134,6 +134,13 @@ impl Importer<'_> {
         let mut render = self.render;
         render.spp = sensor.spp.unwrap_or(render.spp);
         render.sampler = sensor.sampler;
+        if render.alpha && !render.hide_emitters {
+            self.warnings.push(
+                "the film's \"pixel_format\" has alpha, which images have where emitters are hidden: \
+                 give the integrator \"hide_emitters\", or the command line --alpha"
+                    .into(),
+            );
+        }
         Description {
             shapes,
             groups,
