@@ -328,9 +328,12 @@ fn trace(room: &Built, field: &Guide, reuse: u32) -> ([Vec<Rgb>; 2], Vec<FirstHi
     let origins: Vec<Origin> = (0..4096).map(origin).collect();
     let context = room.view(&path, Some(field)).context();
     let outcomes = wave
-        .trace_image(&context, &mut (), (&origins, &Extras::default()), &|_| {
-            false
-        })
+        .trace_image(
+            &context,
+            &mut (),
+            (&origins, &Arc::<Extras>::default()),
+            &|_| false,
+        )
         .unwrap();
     let radiances = [outcomes.own, outcomes.image].map(|o| o[..4096].to_vec());
     (radiances, outcomes.first_hits.to_vec())

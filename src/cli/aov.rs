@@ -1,7 +1,7 @@
 //! The layers of an EXR beside the picture, as they can be typed.
 
 use crate::bsdf::MaterialId;
-use crate::film::{Extras, Layers, Mattes};
+use crate::film::{Extras, Layers, LightParts, Mattes};
 use crate::scene::Description;
 use clap::ValueEnum;
 
@@ -29,6 +29,10 @@ pub enum Aov {
     Uv,
     /// Mattes of objects and materials by their names
     Cryptomatte,
+    /// Light that is seen directly or was scattered once
+    Direct,
+    /// All other light
+    Indirect,
     /// Variance of each pixel's mean
     Variance,
     /// Noise like that of the picture, by which `compare` tells how wrong means over blocks may be
@@ -47,7 +51,13 @@ impl Aov {
     pub fn is_extra(self) -> bool {
         matches!(
             self,
-            Aov::GeometricNormal | Aov::Position | Aov::Uv | Aov::Cryptomatte | Aov::All
+            Aov::GeometricNormal
+                | Aov::Position
+                | Aov::Uv
+                | Aov::Cryptomatte
+                | Aov::Direct
+                | Aov::Indirect
+                | Aov::All
         )
     }
 }
@@ -57,7 +67,7 @@ pub fn has(asked: &[Aov], aov: Aov) -> bool {
     asked.contains(&aov) || asked.contains(&Aov::All)
 }
 
-/// What pixels of a scene carry for the layers that were asked for.
+/// What pixels of a scene carry for the layers of the first surface that were asked for.
 pub fn extras(asked: &[Aov], scene: &Description) -> Extras {
     let has = |aov| has(asked, aov);
     let position = has(Aov::Position);
@@ -70,6 +80,7 @@ pub fn extras(asked: &[Aov], scene: &Description) -> Extras {
         uv: has(Aov::Uv),
         geometric_normal: has(Aov::GeometricNormal),
         alpha: false,
+        light: LightParts::default(),
         mattes: has(Aov::Cryptomatte).then(|| mattes(scene)),
     }
 }
@@ -89,6 +100,7 @@ pub fn missing(asked: &[Aov], extras: &Extras) -> Vec<Aov> {
         Aov::Position => !extras.position,
         Aov::Uv => !extras.uv,
         Aov::Cryptomatte => extras.mattes.is_none(),
+        Aov::Direct | Aov::Indirect => !extras.light.direct,
         _ => false,
     };
     asked.iter().filter(lacks).copied().collect()
@@ -106,6 +118,8 @@ pub fn layers(asked: &[Aov]) -> Layers {
         position: has(Aov::Position),
         uv: has(Aov::Uv),
         geometric_normal: has(Aov::GeometricNormal),
+        direct: has(Aov::Direct),
+        indirect: has(Aov::Indirect),
         cryptomatte: has(Aov::Cryptomatte),
         variance: has(Aov::Variance),
         noise: has(Aov::Noise),

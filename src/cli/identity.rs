@@ -117,6 +117,8 @@ fn in_effect(way: Guide, view: &View) -> Value {
         "sampler": path.sampler,
         "guide": format!("{way:?}"),
         "aov": carried(&film.extras),
+        "light_groups": groups(&film.extras),
+        "light_bounces": film.extras.light.bounces,
         "accel": built.robust.then_some("robust"),
         // Trees built otherwise round their hits otherwise.
         "accel_build": format!("{:?}", (built.quality, built.compact)),
@@ -131,10 +133,20 @@ fn carried(extras: &Extras) -> Option<String> {
         ("uv", extras.uv),
         ("normal.geometric", extras.geometric_normal),
         ("cryptomatte", extras.mattes.is_some()),
+        ("direct", extras.light.direct),
     ];
     let names = list.iter().filter(|layer| layer.1).map(|layer| layer.0);
     let names: Vec<&str> = names.collect();
     (!names.is_empty()).then(|| names.join(","))
+}
+
+/// The groups of emitters, by numbers: the same ids may stand for others in another scene.
+fn groups(extras: &Extras) -> Option<String> {
+    let groups = extras.light.groups.iter();
+    let groups: Vec<String> = groups
+        .map(|g| format!("{}={:?}", g.name, g.emitters))
+        .collect();
+    (!groups.is_empty()).then(|| groups.join(","))
 }
 
 /// Options with their values as text; without those that have none.
@@ -220,8 +232,9 @@ mod tests {
         // All that is left out: a new option is told, unless it is put here, too.
         let left_out: Vec<_> = options.difference(&told).map(String::as_str).collect();
         let expected = "accel aov aperture camera checkpoint compression define denoise envmap exposure field \
-                        focus format fov ground lenient limit-decoded look-at material noise oidn output pixel \
-                        preview projection quality reference resume shard sky spp stats strict time up view";
+                        focus format fov frames ground lenient light-bounces light-groups limit-decoded look-at \
+                        material noise oidn output pixel preview projection quality reference resume shard sky \
+                        spp stats strict time up view";
         assert_eq!(left_out.join(" "), expected);
     }
 }

@@ -73,7 +73,14 @@ impl Typed<'_> {
                 }
                 list
             }
-            None => self.of_files(&args.files),
+            None => {
+                let mut list = self.of_files(&args.files);
+                if !has_layers(&args.files) {
+                    let names = ["light_groups", "light_bounces"];
+                    list.extend(self.without_effect(&names, "none of the outputs is an .exr"));
+                }
+                list
+            }
         };
         list.extend(self.of_guide(args));
         list
@@ -87,9 +94,8 @@ impl Typed<'_> {
             return Vec::new();
         }
         let has_exr = formats.is_empty() || formats.contains(&Ok(Format::Exr));
-        let has_layers = has_exr || formats.contains(&Ok(Format::Tiff));
         let mut list = Vec::new();
-        if !has_layers && files.aov != [Aov::None] {
+        if !has_layers(files) && files.aov != [Aov::None] {
             list.extend(self.without_effect(&["aov"], "none of the outputs is an .exr"));
         }
         if !has_exr {
@@ -174,6 +180,14 @@ impl Typed<'_> {
     }
 }
 
+/// Whether one of the outputs holds layers beside the picture. Without a name the output is an EXR,
+/// and a name that is none is an error later.
+fn has_layers(files: &FileArgs) -> bool {
+    let mut formats = files.output.iter().map(|path| Format::of(path));
+    let holds = |format| matches!(format, Ok(Format::Exr | Format::Tiff) | Err(_));
+    files.output.is_empty() || formats.any(holds)
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::args::Cli;
@@ -211,6 +225,11 @@ mod tests {
                 "--aov --compression",
             ),
             ("render a.xml --format float -o a.hdr", "--format"),
+            (
+                "render a.xml --light-groups each --alpha -o a.png",
+                "--light-groups",
+            ),
+            ("render a.xml --light-bounces 3 -o a.png -o a.tif", ""),
             ("render a.xml --exposure 1", "--exposure"),
             ("render a.xml --exposure 1 -o a.jpg", ""),
             (

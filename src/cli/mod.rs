@@ -36,6 +36,7 @@ pub mod interrupt;
 pub mod invalid;
 pub mod learning;
 pub mod light_args;
+mod light_layers;
 pub mod load;
 pub mod make;
 pub mod memory;

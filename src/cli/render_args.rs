@@ -7,6 +7,7 @@ use super::file_args::FileArgs;
 use super::frame_list::FrameList;
 use super::guide_args::GuideArgs;
 use super::light_args::LightArgs;
+use super::light_layers::LightLayerArgs;
 use super::part_args::PartArgs;
 use super::picture_args::PictureArgs;
 use super::preview::Preview;
@@ -64,6 +65,10 @@ pub struct RenderArgs {
     #[command(flatten)]
     #[serde(flatten)]
     pub light: LightArgs,
+    /// Layers of light: what they come to is told apart.
+    #[command(flatten)]
+    #[serde(skip)]
+    pub layers: LightLayerArgs,
     /// Samples that went wrong.
     #[command(flatten)]
     #[serde(skip)]

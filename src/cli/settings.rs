@@ -4,7 +4,7 @@ use super::guide_args::{Guide, GuideArgs, GuidedArgs, LearnArgs, Teachers, When}
 use super::light_args::LightArgs;
 use super::picture_args::{PictureArgs, SizeArgs};
 use super::render_args::{RenderArgs, StopArgs};
-use super::{Failure, aov, memory};
+use super::{Failure, aov, light_layers, memory};
 use crate::film::{Extras, FilmDescription, Pixel};
 use crate::integrate::progress::Limits;
 use crate::integrate::training::LearnSettings;
@@ -18,10 +18,12 @@ use std::sync::Arc;
 /// Applies the command line to the scene's film.
 ///
 /// # Errors
-/// When the crop does not fit, or the film does not fit into memory.
+/// When the crop does not fit, groups of lights are not the scene's, or the film does not fit into
+/// memory.
 pub fn apply_to_film(args: &RenderArgs, description: &mut Description) -> Result<(), Failure> {
     let mut extras = aov::extras(&args.files.aov, description);
     let hidden = args.light.hide_emitters || description.render.hide_emitters;
+    extras.light = light_layers::parts(&args.layers, &args.files.aov, description)?;
     extras.alpha = args.picture.alpha || (description.render.alpha && hidden);
     let film = &mut description.film;
     resize(film, args.picture.size);

@@ -4,8 +4,9 @@
 //! there are and where. None of them changes the picture: what is not finite counts as 0 here,
 //! where in the picture it would cost the sample.
 
+use super::light_parts::LightParts;
 use super::mattes::{self, Mattes};
-use crate::math::{Vec2, Vec3};
+use crate::math::{Rgb, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -23,6 +24,8 @@ pub struct Extras {
     pub geometric_normal: bool,
     /// How much of the pixel is covered: the alpha channel.
     pub alpha: bool,
+    /// Light in parts.
+    pub light: LightParts,
     /// Which shapes are seen, and what they are called.
     pub mattes: Option<Mattes>,
 }
@@ -42,9 +45,11 @@ pub struct FirstPoint {
 
 /// What one sample gives a pixel besides.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct ExtraSample {
+pub struct ExtraSample<'w> {
     /// What it met first.
     pub first: Option<FirstPoint>,
+    /// The parts of its radiance; none at all where it is black.
+    pub light: &'w [Rgb],
 }
 
 impl Extras {
@@ -55,7 +60,7 @@ impl Extras {
 
     /// Sums of a pixel.
     pub fn count(&self) -> usize {
-        self.alphas().end
+        self.lights().end
     }
 
     /// Bytes that a pixel takes more, about.
@@ -87,6 +92,11 @@ impl Extras {
     /// That of what is covered.
     pub fn alphas(&self) -> Range<usize> {
         after(self.normals().end, self.alpha, 1)
+    }
+
+    /// Those of light in parts, three each.
+    pub fn lights(&self) -> Range<usize> {
+        after(self.alphas().end, true, 3 * self.light.count())
     }
 }
 

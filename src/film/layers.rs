@@ -13,6 +13,9 @@
 //! | `uv.U uv.V` | its texture coordinates | the same |
 //! | `normal.geometric.X normal.geometric.Y normal.geometric.Z` | its geometric normal, world space | the same |
 //! | `CryptoObject00.r g b a` to `02`, `CryptoMaterial00..` | mattes (see `layers/cryptomatte.rs`) | the same |
+//! | `direct.R G B`, `indirect.R G B` | light that is seen directly or was scattered once; all other | the same |
+//! | `light.NAME.R G B` | light of a group of emitters | the same |
+//! | `bounces.N.R G B` | light that was scattered N times | the same |
 //! | `variance.R variance.G variance.B` | variance of the picture's pixels over renders with other seeds | `compare` |
 //! | `noise.R noise.G noise.B` | a number of the size of the picture's error: the square of its mean over any block is on average the variance of the picture's mean there | `compare` |
 //! | `samples.Y` | samples of the pixel | merging |
@@ -27,11 +30,13 @@ use crate::image::{Channel, Image, PixelType};
 use std::ops::Range;
 
 mod cryptomatte;
+mod light;
 #[cfg(test)]
 mod tests;
 
 use super::mattes::MatteKind;
 use cryptomatte::Cryptomatte;
+use light::LightLayers;
 
 /// Which layers to write beside the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,6 +57,10 @@ pub struct Layers {
     pub uv: bool,
     /// Its geometric normal, if the film carries it.
     pub geometric_normal: bool,
+    /// Light that was seen directly or scattered once, if the film carries that.
+    pub direct: bool,
+    /// All other light, if the film carries that.
+    pub indirect: bool,
     /// Mattes of objects and materials, if the film carries what they are made of.
     pub cryptomatte: bool,
     /// Variance of the picture.
@@ -73,6 +82,8 @@ impl Layers {
         position: false,
         uv: false,
         geometric_normal: false,
+        direct: false,
+        indirect: false,
         cryptomatte: false,
         variance: false,
         noise: false,
@@ -88,6 +99,8 @@ impl Layers {
         position: true,
         uv: true,
         geometric_normal: true,
+        direct: true,
+        indirect: true,
         cryptomatte: true,
         variance: true,
         noise: true,
@@ -263,6 +276,8 @@ impl Film {
             })
             .collect();
         channels.extend(mattes.iter().flat_map(Cryptomatte::channels));
+        let parts = LightLayers::new(extras, layers);
+        channels.extend(parts.channels());
         let (width, height) = (self.width(), self.height());
         let mut pixels = Vec::with_capacity(width as usize * height as usize * channels.len());
         let variances = layers.variance.then(|| self.variances());
@@ -283,6 +298,7 @@ impl Film {
             for matte in &mattes {
                 matte.read(tile.shapes_of(i), seen.pixel.weight, &mut pixels);
             }
+            parts.read(seen.sums, seen.pixel.weight, &mut pixels);
         }
         let mut attributes = metadata.attributes();
         attributes.extend(mattes.iter().flat_map(Cryptomatte::attributes));

@@ -39,6 +39,13 @@ impl Tile {
             // By the weight of the picture's radiance, whose share it is.
             *covered += weight;
         }
+        let sums = sums[of.lights()].chunks_exact_mut(3);
+        for (sums, light) in sums.zip(extra.light) {
+            for (sum, light) in sums.iter_mut().zip(light.to_array()) {
+                let value = f64::from(light) * weight;
+                *sum += if value.is_finite() { value } else { 0.0 };
+            }
+        }
     }
 
     /// The shapes that pixel `i` sees; none if the film does not ask.

@@ -8,7 +8,7 @@ use super::observer::PathObserver;
 use super::path::{FirstHit, Path};
 use crate::accel::{Hit, Ray};
 use crate::bsdf::Bsdf;
-use crate::light::Shining;
+use crate::light::{LightSource, Shining};
 use crate::math::{Rgb, Vec3};
 use crate::texture::SurfacePoint;
 
@@ -96,14 +96,19 @@ pub(super) fn bounce<'s, S: Scatter<'s>>(
             features::add_sky(first, base);
         }
         observer.arrive(base.accumulator, *radiance, f32::INFINITY);
-        *radiance += from_environment(context, ray, base, weight_after_delta);
+        let light = from_environment(context, ray, base, weight_after_delta);
+        *radiance += light;
+        observer.shines(base.accumulator, depth, light, LightSource::Sky(ray.dir));
         return BounceResult::default();
     };
     let point = scene.surfaces.point(ray, hit, cone_width);
     let wo = -ray.dir;
     observer.arrive(base.accumulator, *radiance, hit.t);
     if surface.glows() {
-        *radiance += emitted(context, surface, (&point, wo), base, weight_after_delta);
+        let light = emitted(context, surface, (&point, wo), base, weight_after_delta);
+        *radiance += light;
+        let from = LightSource::Emitter(surface.emitter);
+        observer.shines(base.accumulator, depth, light, from);
     }
     if depth + 1 >= settings.max_depth && depth > 0 {
         return BounceResult::default();

@@ -148,7 +148,8 @@ fn scatter<'s>(
         observer.sampled_manifold(&arrival, chain);
     }
     let by_chain = chain.and_then(|chain| chain.found);
-    let by_chain = by_chain.map(|light| path.base.throughput * light.light());
+    let bounces = path.base.depth + 1;
+    let by_chain = by_chain.map(|light| (light, path.base.throughput * light.light()));
 
     // ------------- Field and BSDF sampling, path splitting ------------
     let mut departure = GuidedDeparture {
@@ -179,7 +180,7 @@ fn scatter<'s>(
     });
     // The light that was sampled belongs to the other lobes, and to all of their directions.
     let accumulator = path.base.accumulator;
-    found.extend(by_chain.map(|radiance| (accumulator, radiance)));
+    found.extend(by_chain.map(|(_, radiance)| (accumulator, radiance)));
     let shadow = shadow.map(|(ray, offer)| (ray, ShadowRay { accumulator, offer }));
     let ray = match remainder {
         Remainder::Delta(ray) => ray,
@@ -188,6 +189,9 @@ fn scatter<'s>(
             split_paths.split(departure.split.factor, path, &arrival, go)
         }
     };
+    if let Some((light, radiance)) = by_chain {
+        observer.shines(accumulator, bounces + light.chain, radiance, light.from);
+    }
     BounceResult { ray, shadow }
 }
 

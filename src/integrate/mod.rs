@@ -55,6 +55,7 @@ mod guided_direction;
 pub mod guided_path;
 mod guided_scatter;
 pub mod guiding;
+pub mod light_sums;
 mod lobe_splitting;
 pub mod manifold;
 mod next_event;

@@ -4,6 +4,7 @@ use super::manifold::ManifoldSample;
 use super::path::Arrival;
 use crate::accel::Hit;
 use crate::guide::LightChoice;
+use crate::light::LightSource;
 use crate::math::{Rgb, Vec3};
 use crate::texture::SurfacePoint;
 
@@ -13,6 +14,16 @@ pub trait PathObserver {
     #[inline]
     fn sees(&mut self, met: Option<(&SurfacePoint, &Hit)>) {
         let _ = met;
+    }
+    /// Light has come to an accumulator that was scattered `bounces` times.
+    #[inline]
+    fn shines(&mut self, accumulator: u32, bounces: u32, light: Rgb, from: LightSource) {
+        let _ = (accumulator, bounces, light, from);
+    }
+    /// Whether that is of any interest.
+    #[inline]
+    fn wants_sources(&self) -> bool {
+        false
     }
     /// Whether [`PathObserver::depart`] is to be called for this path.
     #[inline]

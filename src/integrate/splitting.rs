@@ -107,14 +107,18 @@ impl SplitPaths {
         self.waiting.drain(..)
     }
 
-    /// Adds every accumulator to the one that it belongs to, the last first: an accumulator is
-    /// complete before it is passed on.
+    /// Which accumulator is to be added to which, the last first: an accumulator is complete before
+    /// it is passed on.
+    pub fn passes(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let numbered = self.parents.iter().enumerate().rev();
+        let pass = |(i, &parent): (usize, &u32)| (self.samples as usize + i, parent as usize);
+        numbered.map(pass).filter(|(from, to)| from != to)
+    }
+
+    /// Adds every accumulator to the one that it belongs to.
     pub fn reduce(&self, radiances: &mut [Rgb]) {
-        for (i, &parent) in self.parents.iter().enumerate().rev() {
-            let account = self.samples as usize + i;
-            if parent as usize != account {
-                radiances[parent as usize] += radiances[account];
-            }
+        for (from, to) in self.passes() {
+            radiances[to] += radiances[from];
         }
     }
 }

@@ -153,7 +153,7 @@ impl<'a> Job<'a> {
             origins.clear();
             origins.extend(starts.iter().map(Start::origin));
             let gives_up = |edges| self.gives_up(edges);
-            let extras = &*self.view.film.extras;
+            let extras = &self.view.film.extras;
             let outcomes = wave.trace_image(context, observer, (&origins, extras), &gives_up);
             let Some(outcomes) = outcomes else { break };
             conclude(observer, &outcomes, &starts);

@@ -20,6 +20,7 @@ use crate::film::Extras;
 use crate::math::{PathSampler, Rgb};
 use crate::scene::Scene;
 use crate::scene::wavefront::{AHEAD, Wavefront};
+use std::sync::Arc;
 
 /// Edges after which a wave may be given up, and from there on every so many: roulette and dark
 /// surfaces have ended any other path by then (of a path between walls that reflect 0.99, 3e-5
@@ -102,7 +103,7 @@ impl Wave {
         &mut self,
         context: &PathContext,
         observer: &mut impl PathObserver,
-        (origins, extras): (&[Origin], &Extras),
+        (origins, extras): (&[Origin], &Arc<Extras>),
         gives_up: &dyn Fn(u32) -> bool,
     ) -> Option<Outcomes<'_>> {
         let before = self.rays_traced;
@@ -118,6 +119,7 @@ impl Wave {
         let mut recording = Recording {
             observer,
             recorded: &mut recorded,
+            lights: &context.scene.lights,
         };
         let is_whole = self.run(context, &mut recording, &mut pool, gives_up);
         self.recorded = recorded;
@@ -130,9 +132,17 @@ impl Wave {
         self.split_paths.reduce(&mut self.radiances);
         let mut image = &self.radiances;
         if pool.is_open() {
-            self.rays_traced +=
-                pool.reduce(context, origins, &mut self.split_paths, &mut self.shared);
+            let parts = self.recorded.light();
+            self.rays_traced += pool.reduce(
+                context,
+                origins,
+                &mut self.split_paths,
+                &mut self.shared,
+                parts,
+            );
             image = &self.shared;
+        } else if let Some(parts) = self.recorded.light() {
+            parts.reduce(&self.split_paths);
         }
         Some(Outcomes {
             own: &self.radiances,
@@ -163,8 +173,8 @@ impl Wave {
                 Some(_) => self.advance_guided(context, observer, pool),
                 None => self.advance(context, observer),
             }
-            self.collect_light(context.scene, observer);
             edges = edges.saturating_add(1);
+            self.collect_light(context.scene, observer, edges);
             let asks = edges >= LONG && edges % BETWEEN_LOOKS == 0;
             if asks && self.is_under_way() && gives_up(edges) {
                 return false;
@@ -227,14 +237,24 @@ impl Wave {
         }
     }
 
-    /// Adds the light of all unblocked shadow rays.
-    fn collect_light(&mut self, scene: &Scene, observer: &mut impl PathObserver) {
+    /// Adds the light of all unblocked shadow rays. It was scattered so often: all paths of a wave
+    /// have as many edges.
+    fn collect_light(&mut self, scene: &Scene, observer: &mut impl PathObserver, bounces: u32) {
         let ShadowRays { rays, offers } = &mut self.shadows;
         self.blocked.resize(rays.len(), false);
         scene.rays.occluded_batch(rays, &mut self.blocked);
         self.rays_traced += rays.len() as u64;
         let mut blocked = self.blocked.iter();
         offers.retain(|_| blocked.next() == Some(&false));
+        if observer.wants_sources() {
+            let mut blocked = self.blocked.iter();
+            rays.retain(|_| blocked.next() == Some(&false));
+            for (ray, ShadowRay { accumulator, offer }) in rays.iter().zip(&*offers) {
+                let from = scene.lights.source_of(&offer.incoming, ray.dir);
+                let light = offer.radiance(&scene.lights);
+                observer.shines(*accumulator, bounces, light, from);
+            }
+        }
         for shadows in offers.chunks(AHEAD) {
             let offers = shadows.iter().map(|shadow| &shadow.offer.incoming);
             scene.lights.prefetch(offers);

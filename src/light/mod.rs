@@ -31,6 +31,7 @@ mod point;
 mod projector;
 mod quad;
 mod selection;
+mod source;
 mod sphere;
 mod spot;
 mod sun;
@@ -47,6 +48,7 @@ pub use description::{Emitter, EmitterShape, SunSky};
 pub use emission::Emission;
 pub use environment::EnvironmentImage;
 pub use selection::{CHILDREN, ClusterFactors, LightSelection};
+pub use source::LightSource;
 
 use area::{AreaEmitter, DARK};
 use distant::{Distant, Drawn};
@@ -79,17 +81,12 @@ pub struct Incoming(Source);
 
 #[derive(Clone, Copy, Debug)]
 enum Source {
-    /// Known.
-    Here(Rgb),
+    /// Known, of an emitter.
+    Here(Rgb, EmitterId),
+    /// Known, of all that shine from one direction outside the scene.
+    Mixed(Rgb),
     /// By number in [`Lights::distant`].
     Distant(u32, Drawn),
-}
-
-impl Incoming {
-    #[inline]
-    fn known(radiance: Rgb) -> Self {
-        Self(Source::Here(radiance))
-    }
 }
 
 /// All emitters of a scene, ready to sample.
@@ -150,7 +147,7 @@ impl Lights {
     #[inline]
     pub fn radiance(&self, incoming: &Incoming) -> Rgb {
         match &incoming.0 {
-            Source::Here(radiance) => *radiance,
+            Source::Here(radiance, _) | Source::Mixed(radiance) => *radiance,
             Source::Distant(number, drawn) => self.distant[*number as usize].1.radiance_of(drawn),
         }
     }
@@ -214,7 +211,10 @@ impl Lights {
             return Some(LightSample {
                 dir: incident.dir,
                 distance: incident.distance,
-                incoming: Incoming::known(area.radiance_at(q, -incident.dir, incident.place)),
+                incoming: Incoming(Source::Here(
+                    area.radiance_at(q, -incident.dir, incident.place),
+                    *emitter,
+                )),
                 pdf: incident.pdf * probability,
                 delta: false,
             });
@@ -223,7 +223,7 @@ impl Lights {
         Some(LightSample {
             dir: incident.dir,
             distance: incident.distance,
-            incoming: Incoming::known(incident.irradiance),
+            incoming: Incoming(Source::Here(incident.irradiance, *emitter)),
             pdf: probability,
             delta: true,
         })
@@ -265,7 +265,7 @@ impl Lights {
                     pdf += other.importance(n) / total * density;
                 }
             }
-            incoming = Incoming::known(radiance);
+            incoming = Incoming(Source::Mixed(radiance));
         }
         pdf *= share;
         (pdf > 0.0 && pdf.is_finite()).then_some(LightSample {

@@ -8,6 +8,7 @@ use crate::light::Emitter;
 use crate::math::{DAffine3, DVec3, Vec2, Vec3, Vec4};
 use crate::texture::MeshAttributes;
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// A triangle mesh with everything that belongs to its vertices.
@@ -111,6 +112,9 @@ pub struct Description {
     pub materials: Materials,
     /// Emitters. [`Emitter::Area::shape`] is an index into `shapes`.
     pub emitters: Vec<Emitter>,
+    /// What the scene calls them, by number, those that it has a name for. An area emitter goes by
+    /// its shape's name as well.
+    pub emitter_names: BTreeMap<u32, String>,
     /// Camera.
     pub camera: CameraDescription,
     /// Film.
@@ -133,6 +137,7 @@ impl Description {
             instances: Vec::new(),
             materials: Materials::default(),
             emitters: Vec::new(),
+            emitter_names: BTreeMap::new(),
             camera: CameraDescription {
                 to_world: DAffine3::IDENTITY,
                 projection: crate::camera::Projection::Orthographic,

@@ -16,6 +16,7 @@ mod importing;
 mod inspect;
 mod invalid;
 mod layers;
+mod light;
 mod losses;
 mod messages;
 mod models;

@@ -56,6 +56,7 @@ impl SceneMaker {
                 instances: Vec::new(),
                 materials: Materials::default(),
                 emitters: Vec::new(),
+                emitter_names: Default::default(),
                 camera: CameraDescription {
                     to_world,
                     projection,

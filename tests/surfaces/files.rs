@@ -137,6 +137,7 @@ pub fn gltf_scene(dir: &Path, text: &str) -> Description {
         instances: parts.instances,
         materials: parts.materials,
         emitters: parts.emitters,
+        emitter_names: parts.emitter_names,
         ..load(dir, "<sensor type='perspective'/><shape type='sphere'/>")
     }
 }

@@ -2,7 +2,9 @@
 
 use super::*;
 use crate::film::filter::Filter;
-use crate::film::{ExtraSample, Features, FilmDescription, FilmKind, FirstPoint, Mattes, Sample};
+use crate::film::{
+    ExtraSample, Features, FilmDescription, FilmKind, FirstPoint, LightParts, Mattes, Sample,
+};
 use crate::math::{Rgb, Vec2, Vec3};
 
 #[test]
@@ -13,6 +15,10 @@ fn layers_hold_what_the_samples_said() {
         uv: true,
         geometric_normal: true,
         alpha: true,
+        light: LightParts {
+            bounces: Some(0),
+            ..LightParts::default()
+        },
         mattes: Some(Mattes::new([["cube", "blue"], ["ball", "blue"]])),
     };
     let mut film = Film::new(&FilmDescription {
@@ -51,14 +57,17 @@ fn layers_hold_what_the_samples_said() {
                     normal: Vec3::X,
                     shape: sample as u32,
                 };
-                let extra = ExtraSample { first: Some(first) };
+                let extra = ExtraSample {
+                    first: Some(first),
+                    light: &[Rgb::new(1.0, 0.0, 0.0), Rgb::new(0.0, radiance, odd)],
+                };
                 tile.add_with(i, sample, (&s, &extra), &extras);
             }
         }
         tile.done = 2;
     }
     let image = film.image(Layers::ALL, &Metadata::default());
-    assert_eq!(image.channels.len(), 32 + 24);
+    assert_eq!(image.channels.len(), 32 + 24 + 6);
     let pixel = image.pixel(18, 16);
     let at = |name: &str| pixel[image.channel(name).expect(name)];
     assert_eq!([at("R"), at("G"), at("B")], [18.0, 16.0, 2.0]);
@@ -82,7 +91,23 @@ fn layers_hold_what_the_samples_said() {
     let shares = ["CryptoObject00.g", "CryptoObject00.a", "CryptoMaterial00.g"].map(at);
     assert_eq!(shares, [0.5, 0.5, 1.0]);
     assert_eq!([at("albedo.G"), at("normal.Z")], [0.5, 1.0]);
+    let light = ["bounces.0.R", "bounces.more.G", "bounces.more.B"].map(at);
+    assert_eq!(light, [1.0, 2.0, 1.0]);
     assert_eq!(at("A"), 1.0);
     let bare = film.image(Layers::NONE, &Metadata::default());
-    assert_eq!(bare.channel_names(), ["R", "G", "B", "A"]);
+    assert_eq!(
+        bare.channel_names(),
+        [
+            "R",
+            "G",
+            "B",
+            "A",
+            "bounces.0.R",
+            "bounces.0.G",
+            "bounces.0.B",
+            "bounces.more.R",
+            "bounces.more.G",
+            "bounces.more.B"
+        ]
+    );
 }

@@ -7,7 +7,7 @@ use super::receiver::Receiver;
 use crate::bsdf::Transport;
 use crate::integrate::context::PathContext;
 use crate::integrate::vertex::Vertex;
-use crate::light::{CausticEmitter, Shining};
+use crate::light::{CausticEmitter, LightSource, Shining};
 use crate::math::frame::normals_disagree;
 use crate::math::mis::power_heuristic;
 use crate::math::{Rgb, Vec2};
@@ -36,6 +36,10 @@ pub struct FoundLight {
     pub pdf: f32,
     /// Density with which the path would have drawn it by itself.
     pub path_pdf: f32,
+    /// Scatterings of the chain.
+    pub chain: u32,
+    /// What it comes from.
+    pub from: LightSource,
 }
 
 impl FoundLight {
@@ -103,30 +107,40 @@ impl SpecularChains {
         }
         *rays += guess.chain.len() + 1;
         let arrived = follow(scene, receiver.ray(dir), guess.chain, request.cone, strict)?;
-        let radiance = f * (arrived.weight * shining(scene, caustic_emitter, &arrived)?);
+        let (light, from) = shining(scene, caustic_emitter, &arrived)?;
+        let radiance = f * (arrived.weight * light);
         Some(FoundLight {
             radiance,
             pdf,
             path_pdf: vertex.guided.map_or(bsdf_pdf, |g| g.pdf(dir, bsdf_pdf)),
+            chain: guess.chain.len(),
+            from: from.into(),
         })
     }
 }
 
-/// What a light sends along the end of a chain, if the chain ends there.
-fn shining(scene: &Scene, caustic_emitter: &CausticEmitter, arrived: &Arrived) -> Option<Rgb> {
+/// What a light sends along the end of a chain, if the chain ends there, and what that light is.
+fn shining(
+    scene: &Scene,
+    caustic_emitter: &CausticEmitter,
+    arrived: &Arrived,
+) -> Option<(Rgb, Shining)> {
     let Arrived { ray, mut cone, .. } = *arrived;
     if let CausticEmitter::Sun { .. } = caustic_emitter {
-        if !caustic_emitter.is(Shining::Sky(ray.dir)) {
+        let sky = Shining::Sky(ray.dir);
+        if !caustic_emitter.is(sky) {
             return None;
         }
-        return (!scene.is_blocked(&ray)).then(|| scene.lights.environment(ray.dir));
+        let light = || (scene.lights.environment(ray.dir), sky);
+        return (!scene.is_blocked(&ray)).then(light);
     }
     let hit = scene.first_hit(&ray);
     cone.grow(hit.t);
     let surface = scene.surfaces.met(&hit)?;
-    if !caustic_emitter.is(Shining::Shape(surface.emitter)) {
+    let shape = Shining::Shape(surface.emitter);
+    if !caustic_emitter.is(shape) {
         return None;
     }
     let point = scene.surfaces.point(&ray, &hit, cone.width);
-    Some(scene.emitted(surface, &point, -ray.dir))
+    Some((scene.emitted(surface, &point, -ray.dir), shape))
 }

@@ -6,6 +6,7 @@ use crate::bsdf::Bsdf;
 use crate::integrate::camera_sample::Origin;
 use crate::integrate::context::PathContext;
 use crate::integrate::guided_path::{GuidedPath, PrefixState};
+use crate::integrate::light_sums::LightSums;
 use crate::integrate::splitting::SplitPaths;
 use crate::integrate::vertex::Vertex;
 use crate::math::rng::hash_all;
@@ -89,13 +90,15 @@ impl<'s> PrefixPool<'s> {
     }
 
     /// Settles the accumulators of a wave so that what was found behind prefixes goes to all that
-    /// could have found it. Returns how many rays that took.
+    /// could have found it; the `parts` of their light, too, if it is taken apart. Returns how many
+    /// rays that took.
     pub fn reduce(
         &self,
         context: &PathContext,
         origins: &[Origin],
         split_paths: &mut SplitPaths,
         radiances: &mut [Rgb],
+        mut parts: Option<&mut LightSums>,
     ) -> u64 {
         let mut exchange = Reconnector::new(context, &self.prefixes);
         let suffixes = self
@@ -104,11 +107,14 @@ impl<'s> PrefixPool<'s> {
             .filter_map(|prefix| prefix.suffix.as_ref());
         suffixes.for_each(|suffix| split_paths.detach(suffix.accumulator));
         split_paths.reduce(radiances);
+        if let Some(parts) = &mut parts {
+            parts.reduce(split_paths);
+        }
         for group in self.groups(context.settings.seed, origins) {
             exchange.meet(&group, radiances);
         }
         for contribution in &exchange.contributions {
-            contribution.pay(radiances);
+            contribution.pay(radiances, parts.as_deref_mut());
         }
         exchange.rays_traced
     }

@@ -4,6 +4,7 @@ use super::prefix::{PathPrefix, Suffix, is_shareable};
 use crate::accel::Ray;
 use crate::bsdf::Transport;
 use crate::integrate::context::PathContext;
+use crate::integrate::light_sums::LightSums;
 use crate::integrate::next_event::shadow_ray;
 use crate::math::Rgb;
 use crate::math::frame::normals_disagree;
@@ -167,10 +168,14 @@ impl<'e, 's> Reconnector<'e, 's> {
 impl Contribution {
     /// Pays it out of the accumulators. What is not finite is for its own sample alone: there it is
     /// found again.
-    pub fn pay(&self, radiances: &mut [Rgb]) {
-        let light = radiances[self.accumulator as usize];
+    pub fn pay(&self, radiances: &mut [Rgb], parts: Option<&mut LightSums>) {
+        let (from, to) = (self.accumulator as usize, self.sample as usize);
+        let light = radiances[from];
         if light.is_finite() || self.is_own {
-            radiances[self.sample as usize] += self.weight * light;
+            radiances[to] += self.weight * light;
+            if let Some(parts) = parts {
+                parts.pass(from, to, self.weight);
+            }
         }
     }
 }
@@ -226,7 +231,7 @@ mod tests {
                 is_own,
                 weight: Rgb::splat(0.25),
             };
-            contribution.pay(&mut radiances);
+            contribution.pay(&mut radiances, None);
         }
         assert_eq!(radiances[0], Rgb::splat(0.5));
         assert!(radiances[1].is_nan());

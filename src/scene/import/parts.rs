@@ -7,7 +7,7 @@ use crate::camera::CameraDescription;
 use crate::light::Emitter;
 use crate::math::{DAffine3, Vec3};
 use crate::scene::{Geometry, Shape};
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 
 /// A camera that a model file brings along.
 #[derive(Clone, Debug)]
@@ -33,6 +33,8 @@ pub struct Parts {
     pub materials: Materials,
     /// Emitters, those of shapes included.
     pub emitters: Vec<Emitter>,
+    /// What they are called, by number, those that have a name.
+    pub emitter_names: BTreeMap<u32, String>,
     /// Cameras, in the order of the files.
     pub cameras: Vec<NamedCamera>,
     /// What was odd but not fatal, once each.
@@ -46,6 +48,13 @@ impl Parts {
         if self.told.insert(warning.clone()) {
             self.warnings.push(warning);
         }
+    }
+
+    /// Adds an emitter under a name.
+    pub fn add_emitter(&mut self, emitter: Emitter, name: impl Into<String>) {
+        let number = self.emitters.len() as u32;
+        self.emitter_names.insert(number, name.into());
+        self.emitters.push(emitter);
     }
 
     /// Bounds of everything that has a place; empty if nothing has.

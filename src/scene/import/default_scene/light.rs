@@ -33,11 +33,12 @@ impl Studio {
             for oddity in image.oddities() {
                 parts.warn(format!("{}: {oddity}", image.path().display()));
             }
-            parts.emitters.push(Emitter::EnvironmentMap {
+            let around = Emitter::EnvironmentMap {
                 image: image.clone(),
                 scale: 1.0,
                 to_world: self.upright(),
-            });
+            };
+            parts.add_emitter(around, "environment");
         }
         let default = match parts.emitters.is_empty() {
             true => Sky::Studio,
@@ -45,16 +46,17 @@ impl Studio {
         };
         match self.sky.as_ref().unwrap_or(&default) {
             Sky::None => {}
-            Sky::White(radiance) => parts.emitters.push(Emitter::Constant {
-                radiance: *radiance,
-            }),
+            Sky::White(radiance) => {
+                let radiance = *radiance;
+                parts.add_emitter(Emitter::Constant { radiance }, "sky");
+            }
             Sky::Sun { azimuth, elevation } => {
                 let sun = self.sun(*azimuth, *elevation);
-                parts.emitters.push(sun);
+                parts.add_emitter(sun, "sky");
             }
             Sky::Studio => {
                 let radiance = Rgb::splat(DOME);
-                parts.emitters.push(Emitter::Constant { radiance });
+                parts.add_emitter(Emitter::Constant { radiance }, "dome");
                 self.add_key(parts, camera, bounds);
             }
         }

@@ -88,6 +88,7 @@ impl Studio {
             instances: parts.instances,
             materials: parts.materials,
             emitters: parts.emitters,
+            emitter_names: parts.emitter_names,
             camera: shot.camera,
             film: FilmDescription {
                 exposure: self.exposure(),

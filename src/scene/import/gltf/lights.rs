@@ -84,7 +84,9 @@ impl Importer<'_> {
                 return Err(error(self.path(), message));
             }
         };
-        self.parts.emitters.push(emitter);
+        let name = light.get("name").and_then(Value::as_str);
+        let name = name.map_or_else(|| format!("light.{index}"), str::to_owned);
+        self.parts.add_emitter(emitter, name);
         Ok(())
     }
 

@@ -40,6 +40,9 @@ impl<'a> Importer<'a> {
             plugin => return Err(params.error(format!("emitter \"{plugin}\" is not known"))),
         };
         self.done(&params);
+        let name = self.name_of(index, params.plugin());
+        let number = self.emitters.len() as u32;
+        self.emitter_names.insert(number, name);
         self.emitters.push(emitter);
         Ok(())
     }

@@ -12,7 +12,7 @@ use crate::math::{DAffine3, DVec3};
 use crate::scene::description::RenderDescription;
 use crate::scene::import::{ImportError, ImportOptions};
 use crate::texture::Texture;
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -38,6 +38,8 @@ pub(super) struct Importer<'a> {
     /// Environment maps by what they were read from.
     pub environments: &'a mut Environments,
     pub emitters: Vec<Emitter>,
+    /// What they are called, by number.
+    pub emitter_names: BTreeMap<u32, String>,
     pub shapes: Vec<PendingShape>,
     /// Groups by the object they were made from.
     pub group_of: HashMap<usize, u32>,
@@ -79,6 +81,7 @@ impl<'a> Importer<'a> {
             texture_size: HashMap::new(),
             environments,
             emitters: Vec::new(),
+            emitter_names: BTreeMap::new(),
             shapes: Vec::new(),
             group_of: HashMap::new(),
             instances: Vec::new(),

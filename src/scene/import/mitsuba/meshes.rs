@@ -122,12 +122,16 @@ fn place(importer: &mut Importer, shapes: Vec<(PendingShape, Option<Geometry>)>)
             continue;
         };
         let emitter = pending.radiance.map(|radiance| {
+            let number = importer.emitters.len() as u32;
+            if let Some(id) = pending.lamp_id {
+                importer.emitter_names.insert(number, id);
+            }
             importer.emitters.push(Emitter::Area {
                 shape: out.len() as u32,
                 radiance,
                 both_sides: false,
             });
-            (importer.emitters.len() - 1) as u32
+            number
         });
         out.push(Shape {
             name: pending.name,

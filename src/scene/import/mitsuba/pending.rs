@@ -17,6 +17,8 @@ pub(super) struct PendingShape {
     pub material: MaterialId,
     /// What it emits, if it glows.
     pub radiance: Option<Texture>,
+    /// The id of the emitter inside it.
+    pub lamp_id: Option<String>,
     pub flip_normals: bool,
     pub group: Option<u32>,
 }

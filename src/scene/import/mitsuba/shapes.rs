@@ -67,6 +67,8 @@ impl<'a> Importer<'a> {
             None => self.default_bsdf(lamp.is_some()),
         };
         let radiance = lamp.flatten();
+        let lamp = p.child("emitter")?;
+        let lamp_id = lamp.and_then(|lamp| self.document.objects[lamp].id.clone());
         for tag in ["medium", "subsurface"] {
             for (_, inner) in p.children(tag) {
                 self.no_media(inner)?;
@@ -88,6 +90,7 @@ impl<'a> Importer<'a> {
             geometry,
             material,
             radiance,
+            lamp_id,
             flip_normals,
             group,
         });

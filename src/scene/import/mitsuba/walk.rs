@@ -147,6 +147,7 @@ impl Importer<'_> {
             instances: self.instances,
             materials: self.materials,
             emitters: self.emitters,
+            emitter_names: self.emitter_names,
             camera: sensor.camera,
             film: sensor.film,
             render,
