@@ -203,6 +203,13 @@ const char* twt_input_channel(const TwtInput* in, int channel)
     return in->spec.channelnames[channel].c_str();
 }
 
+int twt_input_channel_type(const TwtInput* in, int channel)
+{
+    if (channel < 0 || size_t(channel) >= in->spec.channelformats.size())
+        return -1;
+    return from_oiio(in->spec.channelformats[channel]);
+}
+
 int twt_input_attribute(const TwtInput* in, int index, TwtAttribute* out)
 {
     return guarded(nullptr, 0, [&] {

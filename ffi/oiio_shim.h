@@ -44,6 +44,8 @@ void twt_input_close(TwtInput* in);
 int twt_input_seek(TwtInput* in, int part, int level, char* error, size_t error_len);
 int twt_input_info(const TwtInput* in, TwtInfo* out);
 const char* twt_input_channel(const TwtInput* in, int channel);
+// The type of a channel in a file whose channels differ in it; -1 where all have that of TwtInfo.
+int twt_input_channel_type(const TwtInput* in, int channel);
 int twt_input_attribute(const TwtInput* in, int index, TwtAttribute* out);
 // Reads rows [y0, y1) of channels [c0, c1), interleaved, converted to `type`; `bytes` is the size of `data`.
 // In a tiled file y0 is a multiple of the tiles' height, and so is y1 unless it is the last row.

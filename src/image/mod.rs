@@ -130,7 +130,8 @@ pub struct Channel {
     /// Its name, `R` or `normal.X`.
     pub name: String,
     /// How to store it in a float format instead of [`WriteOptions::pixel_type`], for channels that
-    /// need more (sample counts, depth).
+    /// need more (sample counts, depth). Of an image that was read, how the file has it, if its
+    /// channels differ in that.
     pub pixel_type: Option<PixelType>,
 }
 

@@ -38,6 +38,14 @@ fn to_image(layer: &Layer<AnyChannels<FlatSamples>>, shared: &ImageAttributes) -
     let sorted: Vec<&str> = order.iter().map(|&c| names[c]).collect();
     let size = layer.size;
     let mut image = Image::new(size.width() as u32, size.height() as u32, &sorted);
+    let types: Vec<PixelType> = order
+        .iter()
+        .map(|&c| stored(&list[c].sample_data))
+        .collect();
+    if types.iter().any(|t| *t != types[0]) {
+        let channels = image.channels.iter_mut().zip(types);
+        channels.for_each(|(channel, stored)| channel.pixel_type = Some(stored));
+    }
     let n = order.len();
     for (i, &c) in order.iter().enumerate() {
         let targets = image.pixels.iter_mut().skip(i).step_by(n);
@@ -63,6 +71,14 @@ fn window(
         height: size.height() as u32,
     };
     Window::of(level(size), [start.x(), start.y()], level(display.size))
+}
+
+/// How samples are stored.
+fn stored(samples: &FlatSamples) -> PixelType {
+    match samples {
+        FlatSamples::F16(_) => PixelType::Half,
+        _ => PixelType::Float,
+    }
 }
 
 /// Attributes under the names that OpenImageIO gives them.
@@ -286,7 +302,13 @@ mod reading {
         let list = &header.channels.list;
         let names: Vec<String> = list.iter().map(|c| c.name.to_string()).collect();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        let halves = list.iter().all(|c| c.sample_type == SampleType::F16);
+        let half = |c: &exr::meta::attribute::ChannelDescription| c.sample_type == SampleType::F16;
+        let halves = list.iter().all(half);
+        let mixed = !halves && list.iter().any(half);
+        let stored = |c: usize| match half(&list[c]) {
+            true => PixelType::Half,
+            false => PixelType::Float,
+        };
         let level = Level {
             width: header.layer_size.width() as u32,
             height: header.layer_size.height() as u32,
@@ -300,7 +322,10 @@ mod reading {
             ),
             channels: reading_order(&names)
                 .into_iter()
-                .map(|c| Channel::new(names[c]))
+                .map(|c| Channel {
+                    pixel_type: mixed.then(|| stored(c)),
+                    ..Channel::new(names[c])
+                })
                 .collect(),
             pixel_type: if halves {
                 PixelType::Half

@@ -135,6 +135,18 @@ fn another_reader_sees_the_same_pixels_and_attributes() {
     for a in &image.attributes {
         assert_eq!(other.attribute(&a.name), Some(&a.value));
     }
+    // Both tell how each channel is stored, as they differ in that.
+    for read in [&other, &read(&path).unwrap()] {
+        for (c, name) in FILM.iter().enumerate() {
+            let stored = read.channels[read.channel(name).unwrap()].pixel_type;
+            let expected = if c == 6 {
+                PixelType::Float
+            } else {
+                PixelType::Half
+            };
+            assert_eq!(stored, Some(expected), "{name}");
+        }
+    }
 }
 
 /// What the `exr` crate writes when OpenImageIO is not there, the usual reader reads.

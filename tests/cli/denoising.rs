@@ -155,6 +155,28 @@ fn what_was_rendered_is_denoised_later_to_the_same_bits() {
         .fails(2, &["bare.exr"]);
 }
 
+/// Ids of mattes and alpha among them, and what needs 32 bits.
+#[test]
+fn layers_go_through_the_denoiser_as_they_are() {
+    if !is_installed() {
+        return;
+    }
+    let place = Place::new();
+    place
+        .run("render scene.xml --alpha --aov all --light-groups each -o a.exr")
+        .ok();
+    place.run("denoise a.exr -o b.exr").ok();
+    let after = read_channels(&place.path("b.exr"));
+    for (name, numbers) in read_channels(&place.path("a.exr")) {
+        if !RGB.contains(&name.as_str()) {
+            let same = after
+                .iter()
+                .any(|other| *other == (name.clone(), numbers.clone()));
+            assert!(same, "{name} has changed");
+        }
+    }
+}
+
 #[test]
 fn parts_are_denoised_when_they_are_merged() {
     if !is_installed() {

@@ -91,6 +91,7 @@ functions! {
     ) -> c_int;
     pub fn twt_input_info(input: *const Input, out: *mut Info) -> c_int;
     pub fn twt_input_channel(input: *const Input, channel: c_int) -> *const c_char;
+    pub fn twt_input_channel_type(input: *const Input, channel: c_int) -> c_int;
     pub fn twt_input_attribute(input: *const Input, index: c_int, out: *mut Attribute) -> c_int;
     pub fn twt_input_rows(
         input: *mut Input,

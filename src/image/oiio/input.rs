@@ -84,7 +84,7 @@ impl Input {
     /// Size, channels and attributes of the current part.
     pub fn header(&self) -> Result<Header, String> {
         let info = self.info()?;
-        let pixel_type = match info.type_ {
+        let type_of = |number| match number {
             0 => PixelType::U8,
             1 => PixelType::U16,
             2 => PixelType::Half,
@@ -95,7 +95,16 @@ impl Input {
             let name = unsafe { ffi::twt_input_channel(self.0.as_ptr(), c) };
             copied(name)
         };
-        let channels = (0..info.channels).map(|c| Channel::new(name(c))).collect();
+        let own_type = |c| {
+            // SAFETY: the input is open.
+            let number = unsafe { ffi::twt_input_channel_type(self.0.as_ptr(), c) };
+            (number >= 0).then(|| type_of(number))
+        };
+        let channel = |c| Channel {
+            pixel_type: own_type(c),
+            ..Channel::new(name(c))
+        };
+        let channels = (0..info.channels).map(channel).collect();
         let level = Level {
             width: info.width as u32,
             height: info.height as u32,
@@ -112,7 +121,7 @@ impl Input {
             level,
             window: Window::of(level, at, whole),
             channels,
-            pixel_type,
+            pixel_type: type_of(info.type_),
             tile_height: info.tile_height.max(0) as u32,
             attributes: (0..info.attributes)
                 .filter_map(|i| self.attribute(i))
