@@ -25,18 +25,18 @@
 //!
 //! The names are `layer.channel`, the convention by which Blender and Nuke group channels.
 
-use super::{Extras, Film, Metadata, Pixel, Tile};
-use crate::image::{Channel, Image, PixelType};
-use std::ops::Range;
+use super::mattes::MatteKind;
+use super::{Film, Metadata, Pixel};
+use crate::image::{Channel, Image};
+use cryptomatte::Cryptomatte;
+use light::LightLayers;
+use table::{Layer, Seen};
 
 mod cryptomatte;
 mod light;
+mod table;
 #[cfg(test)]
 mod tests;
-
-use super::mattes::MatteKind;
-use cryptomatte::Cryptomatte;
-use light::LightLayers;
 
 /// Which layers to write beside the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,175 +108,18 @@ impl Layers {
     };
 }
 
-/// A group of channels: names, how to store them, and how to read them off a pixel.
-struct Layer {
-    names: &'static [&'static str],
-    stored: Option<PixelType>,
-    read: fn(&Seen, &mut Vec<f32>),
-}
-
-/// A pixel, its tile, its variance, and its further sums with what they are.
-struct Seen<'f> {
-    pixel: &'f Pixel,
-    tile: &'f Tile,
-    variance: [f32; 3],
-    sums: &'f [f64],
-    extras: &'f Extras,
-}
-
-const PICTURE: Layer = Layer {
-    names: &["R", "G", "B"],
-    stored: None,
-    read: |seen, out| out.extend(seen.pixel.mean().map(single)),
-};
-const ALPHA: Layer = Layer {
-    names: &["A"],
-    stored: None,
-    read: |seen, out| {
-        let weight = seen.pixel.weight;
-        let sums = seen.sums_at(seen.extras.alphas(), 1);
-        out.extend(sums.map(|sum| {
-            if weight > 0.0 {
-                single(sum / weight)
-            } else {
-                0.0
-            }
-        }));
-    },
-};
-const ALBEDO: Layer = Layer {
-    names: &["albedo.R", "albedo.G", "albedo.B"],
-    stored: None,
-    read: |seen, out| out.extend(seen.pixel.seen_albedo().map(single)),
-};
-const NORMAL: Layer = Layer {
-    names: &["normal.X", "normal.Y", "normal.Z"],
-    stored: None,
-    read: |seen, out| out.extend(seen.pixel.seen_normal().map(single)),
-};
-const FIRST_ALBEDO: Layer = Layer {
-    names: &["albedo.first.R", "albedo.first.G", "albedo.first.B"],
-    stored: None,
-    read: |seen, out| out.extend(seen.pixel.albedo.map(|x| average(x, seen.pixel.count))),
-};
-const FIRST_NORMAL: Layer = Layer {
-    names: &["normal.first.X", "normal.first.Y", "normal.first.Z"],
-    stored: None,
-    read: |seen, out| out.extend(seen.pixel.normal.map(|x| average(x, seen.pixel.count))),
-};
-const DEPTH: Layer = Layer {
-    names: &["depth.Z"],
-    stored: Some(PixelType::Float),
-    read: |seen, out| out.push(average(seen.pixel.depth, seen.pixel.met)),
-};
-const POSITION: Layer = Layer {
-    names: &["position.X", "position.Y", "position.Z"],
-    stored: Some(PixelType::Float),
-    read: |seen, out| {
-        let (met, from) = (seen.pixel.met, &seen.extras.origin);
-        let sums = seen.sums_at(seen.extras.positions(), 3).zip(from);
-        out.extend(sums.map(|(sum, from)| average(sum + from * met as f64, met)));
-    },
-};
-const UV: Layer = Layer {
-    names: &["uv.U", "uv.V"],
-    stored: Some(PixelType::Float),
-    read: |seen, out| {
-        let sums = seen.sums_at(seen.extras.uvs(), 2);
-        out.extend(sums.map(|sum| average(sum, seen.pixel.met)));
-    },
-};
-const GEOMETRIC_NORMAL: Layer = Layer {
-    names: &[
-        "normal.geometric.X",
-        "normal.geometric.Y",
-        "normal.geometric.Z",
-    ],
-    stored: None,
-    read: |seen, out| {
-        let sums = seen.sums_at(seen.extras.normals(), 3);
-        out.extend(sums.map(|sum| average(sum, seen.pixel.count)));
-    },
-};
-const VARIANCE: Layer = Layer {
-    names: &["variance.R", "variance.G", "variance.B"],
-    stored: Some(PixelType::Float),
-    read: |seen, out| out.extend(seen.variance),
-};
-const NOISE: Layer = Layer {
-    names: &["noise.R", "noise.G", "noise.B"],
-    stored: Some(PixelType::Float),
-    read: |seen, out| {
-        let noise = seen.tile.realisation(seen.pixel);
-        out.extend(noise.map(single));
-    },
-};
-const SAMPLES: Layer = Layer {
-    names: &["samples.Y"],
-    stored: Some(PixelType::Float),
-    read: |seen, out| out.push(seen.pixel.count as f32),
-};
-
-impl Seen<'_> {
-    /// Some of the further sums, of which there are so many; a pixel that is not held has none.
-    fn sums_at(&self, at: Range<usize>, count: usize) -> impl Iterator<Item = f64> + '_ {
-        let sums = self.sums.get(at).unwrap_or(&[]).iter().copied();
-        sums.chain(std::iter::repeat(0.0)).take(count)
-    }
-}
-
-/// The nearest finite `f32`: radiances of 1e20 have variances that would be infinite.
-fn single(x: f64) -> f32 {
-    x.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32
-}
-
-fn average(sum: f64, count: u64) -> f32 {
-    if count > 0 {
-        single(sum / count as f64)
-    } else {
-        0.0
-    }
-}
-
 impl Film {
     /// The film as an image: the picture and the layers asked for, as far as the film has them.
     pub fn image(&self, layers: Layers, metadata: &Metadata) -> Image {
         let extras = &**self.extras();
-        let wanted = [
-            (true, PICTURE),
-            (extras.alpha, ALPHA),
-            (layers.albedo, ALBEDO),
-            (layers.normal, NORMAL),
-            (layers.first_albedo, FIRST_ALBEDO),
-            (layers.first_normal, FIRST_NORMAL),
-            (layers.depth, DEPTH),
-            (layers.position && extras.position, POSITION),
-            (layers.uv && extras.uv, UV),
-            (
-                layers.geometric_normal && extras.geometric_normal,
-                GEOMETRIC_NORMAL,
-            ),
-            (layers.variance, VARIANCE),
-            (layers.noise, NOISE),
-            (layers.samples, SAMPLES),
-        ];
-        let list: Vec<Layer> = wanted.into_iter().filter(|w| w.0).map(|w| w.1).collect();
+        let list = table::wanted(layers, extras);
         let mattes = match layers.cryptomatte {
             true => self.cryptomattes(),
             false => Vec::new(),
         };
-        let mut channels: Vec<Channel> = list
-            .iter()
-            .flat_map(|layer| {
-                let of = |name: &&str| Channel {
-                    pixel_type: layer.stored,
-                    ..Channel::new(*name)
-                };
-                layer.names.iter().map(of)
-            })
-            .collect();
-        channels.extend(mattes.iter().flat_map(Cryptomatte::channels));
         let parts = LightLayers::new(extras, layers);
+        let mut channels: Vec<Channel> = list.iter().flat_map(Layer::channels).collect();
+        channels.extend(mattes.iter().flat_map(Cryptomatte::channels));
         channels.extend(parts.channels());
         let (width, height) = (self.width(), self.height());
         let mut pixels = Vec::with_capacity(width as usize * height as usize * channels.len());

@@ -1,6 +1,7 @@
 //! Layers of light in parts.
 
-use super::{Layers, single};
+use super::Layers;
+use super::table::single;
 use crate::film::Extras;
 use crate::image::Channel;
 

@@ -3,7 +3,8 @@
 use super::*;
 use crate::film::filter::Filter;
 use crate::film::{
-    ExtraSample, Features, FilmDescription, FilmKind, FirstPoint, LightParts, Mattes, Sample,
+    ExtraSample, Extras, Features, FilmDescription, FilmKind, FirstPoint, LightParts, Mattes,
+    Sample,
 };
 use crate::math::{Rgb, Vec2, Vec3};
 
