@@ -44,6 +44,10 @@ fn words_are_sorted_by_who_needs_them() {
         threads: Some("3".into()),
     };
     assert_eq!(by_order(words), by_order(expected));
+    // What pixels have to carry is asked of the shards, too.
+    let both = sort(&typed("room.xml --aov depth,uv --light-bounces 2")).unwrap();
+    assert_eq!(both.merge, typed("--aov depth,uv"));
+    assert_eq!(both.render, typed("--aov depth,uv --light-bounces 2"));
     let kept = sort(&typed("room.xml --field any:a.field")).unwrap();
     assert_eq!(kept.train, None);
     assert_eq!(kept.render, typed("--field any:a.field"));
