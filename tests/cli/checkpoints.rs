@@ -305,7 +305,7 @@ fn a_full_or_read_only_disk_leaves_the_last_image_and_checkpoint_alone() {
     let place = Place::new();
     let first = words(300, "--checkpoint 30ms").replace("-o out", "-o disk/out");
     let script = r#"
-        mkdir disk && mount -t tmpfs -o size=6m none disk 2>/dev/null || { echo no mount; exit 77; }
+        mkdir disk && mount -t tmpfs -o size=9m none disk 2>/dev/null || { echo no mount; exit 77; }
         "$@" & render=$!
         while [ ! -e disk/out.exr.checkpoint ]; do sleep 0.01; done
         kill $render; wait $render; [ $? = 75 ] || exit 3
