@@ -32,11 +32,12 @@ impl Carried {
     }
 
     /// The scene and the field of the frame before, if they are those of this one, too. What is of
-    /// another scene is let go of: two are not held at a time.
+    /// another scene is let go of, and so are the new one's shapes where they are the same: two
+    /// are not held at a time.
     ///
     /// # Errors
     /// When a file that the scene names cannot be read.
-    pub fn take(&mut self, loaded: &Loaded) -> Result<Option<(Scene, Option<Learner>)>, Failure> {
+    pub fn take(&mut self, loaded: &mut Loaded) -> Result<Option<(Scene, Option<Learner>)>, Failure> {
         if !self.wanted {
             return Ok(None);
         }
@@ -45,6 +46,7 @@ impl Carried {
         let known = self.known.take().filter(|known| known.world == world);
         if known.is_some() {
             tracing::debug!("only the camera has moved: the scene is kept");
+            loaded.description.shapes = Vec::new();
         }
         Ok(known.map(|known| (known.scene, known.learner)))
     }

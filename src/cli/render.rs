@@ -91,7 +91,7 @@ fn render(
     if let (Some(field), Some(scene)) = (&field, fingerprint) {
         field.check(scene)?;
     }
-    let (scene, before_learner) = match carried.take(&loaded)? {
+    let (scene, before_learner) = match carried.take(&mut loaded)? {
         Some(known) => known,
         None => (timed(&mut times.build, || loaded.build(&args.rays))?, None),
     };
