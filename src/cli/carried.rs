@@ -37,7 +37,10 @@ impl Carried {
     ///
     /// # Errors
     /// When a file that the scene names cannot be read.
-    pub fn take(&mut self, loaded: &mut Loaded) -> Result<Option<(Scene, Option<Learner>)>, Failure> {
+    pub fn take(
+        &mut self,
+        loaded: &mut Loaded,
+    ) -> Result<Option<(Scene, Option<Learner>)>, Failure> {
         if !self.wanted {
             return Ok(None);
         }

@@ -9,64 +9,13 @@
 //! followed by Adam on the logit of a, with a weak pull towards 1/2.
 
 use super::cells::Cells;
-use super::habits::{CellStates, Habits};
+use super::habits::{CellStates, Chances, FLOOR, FractionRecord, Habits};
 use super::light_chance::LEAST_LIGHT;
-use super::light_clusters::{LightChoice, LightClusters};
+use super::light_clusters::LightClusters;
 use super::record::weight;
 use crate::light::ClusterFactors;
 use crate::math::rng::{hash64, unit_f32};
-use crate::math::{Rgb, Vec3};
 use rayon::prelude::*;
-
-/// Bounds of the fraction: neither strategy may vanish.
-pub const FLOOR: f32 = 0.1;
-
-/// The fraction before anything was learned.
-const UNKNOWN: f32 = 0.5;
-
-/// What one vertex, met during rendering or training, tells about the mixture and about light
-/// samples.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FractionRecord {
-    /// The shading point.
-    pub position: Vec3,
-    /// Its normal.
-    pub normal: Vec3,
-    /// BSDF times cosine times the estimate of incident radiance along the direction.
-    pub value: Rgb,
-    /// Density with which it was sampled (the mixture's); 0 if no direction was.
-    pub pdf: f32,
-    /// The field's density for it.
-    pub guide_pdf: f32,
-    /// The BSDF's density for it.
-    pub bsdf_pdf: f32,
-    /// What the light sample brought, as it counted in the image, for the throughput 1.
-    pub light: f32,
-    /// The chance with which there was a light sample.
-    pub light_probability: f32,
-    /// Out of which clusters it came, if there was one.
-    pub light_choice: LightChoice,
-    /// All light that the vertex sent on, for the throughput 1.
-    pub reflected: f32,
-}
-
-/// The probabilities of what a vertex does.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Chances {
-    /// To draw the next direction from the field instead of the BSDF, within [`FLOOR`] and 1 -
-    /// [`FLOOR`].
-    pub field: f32,
-    /// To sample a light, within [`super::LEAST_LIGHT`] and 1.
-    pub light: f32,
-}
-
-impl Chances {
-    /// Before anything was learned: the field half of the time, and always a light.
-    pub const UNKNOWN: Self = Self {
-        field: UNKNOWN,
-        light: 1.0,
-    };
-}
 
 /// The learned fractions of one field's cells.
 ///

@@ -2,10 +2,60 @@
 
 use super::adam::Adam;
 use super::bytes::{Reader, Writer};
-use super::fraction::{Chances, FLOOR, FractionRecord};
 use super::light_chance::LightChance;
-use super::light_clusters::LightClusters;
+use super::light_clusters::{LightChoice, LightClusters};
 use super::record::weight;
+use crate::math::{Rgb, Vec3};
+
+/// Bounds of the fraction: neither strategy may vanish.
+pub const FLOOR: f32 = 0.1;
+
+/// The fraction before anything was learned.
+const UNKNOWN: f32 = 0.5;
+
+/// What one vertex, met during rendering or training, tells about the mixture and about light
+/// samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FractionRecord {
+    /// The shading point.
+    pub position: Vec3,
+    /// Its normal.
+    pub normal: Vec3,
+    /// BSDF times cosine times the estimate of incident radiance along the direction.
+    pub value: Rgb,
+    /// Density with which it was sampled (the mixture's); 0 if no direction was.
+    pub pdf: f32,
+    /// The field's density for it.
+    pub guide_pdf: f32,
+    /// The BSDF's density for it.
+    pub bsdf_pdf: f32,
+    /// What the light sample brought, as it counted in the image, for the throughput 1.
+    pub light: f32,
+    /// The chance with which there was a light sample.
+    pub light_probability: f32,
+    /// Out of which clusters it came, if there was one.
+    pub light_choice: LightChoice,
+    /// All light that the vertex sent on, for the throughput 1.
+    pub reflected: f32,
+}
+
+/// The probabilities of what a vertex does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Chances {
+    /// To draw the next direction from the field instead of the BSDF, within [`FLOOR`] and 1 -
+    /// [`FLOOR`].
+    pub field: f32,
+    /// To sample a light, within [`super::LEAST_LIGHT`] and 1.
+    pub light: f32,
+}
+
+impl Chances {
+    /// Before anything was learned: the field half of the time, and always a light.
+    pub const UNKNOWN: Self = Self {
+        field: UNKNOWN,
+        light: 1.0,
+    };
+}
 
 /// What a cell has learned.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

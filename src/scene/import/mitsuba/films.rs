@@ -76,15 +76,13 @@ impl<'a> Importer<'a> {
         let place = self.document.location(p.place_of("pixel_format"));
         // Classic films may hold several, in a list.
         let lower = format.to_ascii_lowercase();
-        let mut odd = Vec::new();
         if lower.contains("rgba") || lower.contains("alpha") {
             self.render.alpha = true;
         }
         if lower.contains("luminance") || lower.contains("xyz") || lower.contains("spectrum") {
-            odd.push("images are R G B");
-        }
-        if let Some(odd) = odd.first() {
-            self.warn(format!("{place}: \"pixel_format\" is \"{format}\": {odd}"));
+            self.warn(format!(
+                "{place}: \"pixel_format\" is \"{format}\": images are R G B"
+            ));
         }
     }
 

@@ -39,11 +39,7 @@ fn formats_without_alpha_and_other_curves_are_told_of() {
     for (film, words) in [
         (
             "<string name='pixelFormat' value='rgba'/>",
-            "no alpha channel",
-        ),
-        (
-            "<string name='pixelFormat' value='luminanceAlpha'/>",
-            "no alpha channel",
+            "has alpha, which images have where emitters are hidden",
         ),
         (
             "<string name='pixelFormat' value='luminance'/>",
