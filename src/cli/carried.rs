@@ -19,7 +19,7 @@ struct Known {
 pub struct Carried {
     wanted: bool,
     world: Option<u64>,
-    known: Option<Box<Known>>,
+    known: Option<Known>,
 }
 
 impl Carried {
@@ -57,12 +57,10 @@ impl Carried {
     /// Keeps the scene, and the field if it has proved worthwhile.
     pub fn keep(&mut self, scene: Scene, learner: Option<Learner>) {
         let learner = learner.filter(|l| l.worthwhile_guide().is_some());
-        self.known = self.world.map(|world| {
-            Box::new(Known {
-                world,
-                scene,
-                learner,
-            })
+        self.known = self.world.map(|world| Known {
+            world,
+            scene,
+            learner,
         });
     }
 }

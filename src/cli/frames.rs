@@ -75,16 +75,13 @@ fn default_name(args: &RenderArgs) -> Result<PathBuf, Failure> {
     Ok(plain.with_extension(format!("{DIGITS}.exr")))
 }
 
-/// Refuses a sequence of which a scene file is missing: better before the first frame than at the
-/// last.
-fn check_scenes(frames: &[RenderArgs]) -> Result<(), Failure> {
-    for args in frames {
-        for path in Input::of(&args.scene)?.paths() {
-            if !path.exists() {
-                let message = format!("there is no {}", path.display());
-                let help = "give --frames the frames that there are";
-                return Err(Failure::wrong(message, help));
-            }
+/// Refuses a frame whose scene file is missing.
+fn check_scene(args: &RenderArgs) -> Result<(), Failure> {
+    for path in Input::of(&args.scene)?.paths() {
+        if !path.exists() {
+            let message = format!("there is no {}", path.display());
+            let help = "give --frames the frames that there are";
+            return Err(Failure::wrong(message, help));
         }
     }
     Ok(())
@@ -100,11 +97,13 @@ pub fn run(
     interrupt: &Interrupt,
     mut render: impl FnMut(&RenderArgs) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
-    let frames = list.0.iter().map(|&frame| of_frame(args, frame));
-    let frames = frames.collect::<Result<Vec<_>, _>>()?;
-    check_scenes(&frames)?;
+    // Before the first frame is better than at the last.
+    for &frame in &list.0 {
+        check_scene(&of_frame(args, frame)?)?;
+    }
     let (start, mut rendered) = (Instant::now(), 0);
-    for (i, (frame, one)) in list.0.iter().zip(&frames).enumerate() {
+    for (i, &frame) in list.0.iter().enumerate() {
+        let one = of_frame(args, frame)?;
         if args.parts.resume && one.files.output.iter().all(|path| path.exists()) {
             tracing::info!("frame {frame} is there already");
             continue;
@@ -112,13 +111,13 @@ pub fn run(
         if interrupt.requested() {
             return Err(Failure::Interrupted);
         }
-        let count = frames.len();
+        let count = list.0.len();
         tracing::info!(
             "frame {frame}, {} of {count}, --seed {}",
             i + 1,
             one.light.seed
         );
-        render(one)?;
+        render(&one)?;
         rendered += 1;
     }
     let seconds = start.elapsed().as_secs_f64();

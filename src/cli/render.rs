@@ -169,6 +169,22 @@ fn render(
     stats.field = guiding.learner.as_ref().map(Learner::stats);
     stats.learning_memory_bytes = guiding.learner.as_ref().map_or(0, Learner::peak_bytes);
     stats.trial = guiding.learner.as_ref().and_then(Learner::verdict);
+    tell(console, &stats, &summary);
+    invalid::warn(&film);
+    if args.frames.is_some() && summary.stopped_by == StoppedBy::Interrupt {
+        return Err(frames::leave_out(&outputs));
+    }
+    done.write(&film, &summary, &mut stats)?;
+    let left_out = invalid::LeftOut {
+        samples: stats.invalid_samples,
+        photons: guiding.learner.as_ref().map_or(0, |l| l.counts().invalid),
+    };
+    carried.keep(scene, guiding.learner.take());
+    invalid::check(args, left_out)
+}
+
+/// Says what came of a render.
+fn tell(console: &Console, stats: &Stats, summary: &Summary) {
     console.tell(&stats.sentence());
     if summary.noise.is_some_and(|noise| !noise.is_reliable()) {
         console.tell(
@@ -179,18 +195,6 @@ fn render(
     if let Some(sentence) = stats.error_sentence() {
         console.tell(&sentence);
     }
-    invalid::warn(&film);
-    if args.frames.is_some() && summary.stopped_by == StoppedBy::Interrupt {
-        return Err(frames::leave_out(&outputs));
-    }
-    done.write(&film, &summary, &mut stats)?;
-    let left_out = invalid::LeftOut {
-        samples: stats.invalid_samples,
-        photons: guiding.learner.as_ref().map_or(0, |l| l.counts().invalid),
-    };
-    let learner = guiding.learner.take();
-    carried.keep(scene, learner);
-    invalid::check(args, left_out)
 }
 
 /// Fills the film from the checkpoint, if that is wanted, and says what it has cost so far; `None`

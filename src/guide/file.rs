@@ -2,8 +2,8 @@
 //!
 //! Little-endian. Magic, version, length of the rest, CRC-32 of the rest; then, as JSON, the
 //! settings (among them the scene's identity and bounds) and the [`SampleRanges`] (which photons and
-//! paths are in it), the mixture fractions and chances of light samples, and the trees with their
-//! sums (see `content.rs`). Whatever is wrong with a file is said with the byte where it shows.
+//! paths are in it), the mixture fractions, the chances of light samples and of clusters of
+//! lights, and the trees with their sums (see `content.rs`). Whatever is wrong with a file is said with the byte where it shows.
 
 use super::Field;
 use super::bytes::{Reader, Writer};

@@ -115,8 +115,8 @@ pub struct GuidedVertex<'a> {
     reflected: Option<Rgb>,
     /// The lobes that are sampled here: all, or all but a delta lobe.
     lobes: Rest,
-    /// The cell, and what it knows of the light tree's clusters.
-    lights: (u32, Option<&'a ClusterFactors>),
+    /// What the cell knows of the light tree's clusters.
+    light_factors: Option<&'a ClusterFactors>,
 }
 
 /// Whether a field could serve a material at all: some lobe is smooth and none too narrow.
@@ -237,14 +237,13 @@ impl<'a> Guidance<'a> {
                 (Local::Gmm(mixture), mixture.irradiance(), Chances::UNKNOWN)
             }
         };
-        let cell = local.cell();
         Some(GuidedVertex {
+            light_factors: self.light_factors(local.cell()),
             local,
             chances,
             irradiance,
             reflected: None,
             lobes: Rest::ALL,
-            lights: (cell, self.light_factors(cell)),
         })
     }
 }
@@ -325,7 +324,7 @@ impl GuidedVertex<'_> {
     #[inline]
     pub fn light_selection(&self) -> LearnedSelection<'_> {
         LearnedSelection {
-            factors: self.lights.1,
+            factors: self.light_factors,
             choice: LightChoice::NONE,
         }
     }
@@ -333,7 +332,7 @@ impl GuidedVertex<'_> {
     /// The cell by which it is chosen: see [`Guidance::light_factors`].
     #[inline]
     pub fn light_cell(&self) -> u32 {
-        self.lights.0
+        self.local.cell()
     }
 
     /// Density of the field alone.

@@ -27,6 +27,7 @@ mod environment;
 mod incident;
 mod latlong;
 mod leaf;
+mod local;
 mod point;
 mod projector;
 mod quad;
@@ -53,7 +54,7 @@ pub use source::LightSource;
 use area::{AreaEmitter, DARK};
 use distant::{Distant, Drawn};
 use leaf::Leaf;
-use tree::LightTree;
+use local::Local;
 
 /// Index of an emitter in [`Lights`].
 pub type EmitterId = u32;
@@ -97,16 +98,6 @@ pub struct Lights {
     local: Option<Local>,
     distant: Vec<(EmitterId, Distant)>,
     emission: Option<emission::Sources>,
-}
-
-/// The lights in the scene.
-#[derive(Debug)]
-struct Local {
-    leaves: Vec<(EmitterId, Leaf)>,
-    tree: LightTree,
-    /// Strengths in the tree are relative to this, so that no product of them leaves the range of
-    /// `f32`.
-    unit: f32,
 }
 
 /// Least and greatest probability of the distant lights where both sets can send light: neither
@@ -378,26 +369,5 @@ impl Lights {
             })
             .sum();
         local + distant
-    }
-}
-
-impl Local {
-    /// Chooses a leaf that may send light to `p`.
-    #[inline]
-    fn choose(
-        &self,
-        (p, n): (Vec3, Vec3),
-        selection: &mut impl LightSelection,
-        pick: f32,
-        u: Vec2,
-    ) -> Option<(usize, f32)> {
-        if self.leaves.len() == 1 {
-            return Some((0, 1.0));
-        }
-        // 24 bits are too few to tell millions of lights apart: the others' hash extends them.
-        let salt = u64::from(u.x.to_bits()) << 32 | u64::from(u.y.to_bits());
-        let wide = crate::math::distribution::widen(pick, salt) >> 11;
-        let u = wide as f64 * (1.0 / (1u64 << 53) as f64);
-        self.tree.sample(p, n, selection, u)
     }
 }

@@ -3,6 +3,7 @@
 use super::scenes::*;
 use super::*;
 use crate::light::cluster::Cluster;
+use crate::light::tree::LightTree;
 use crate::math::distribution::Discrete;
 use crate::math::luminance;
 
