@@ -4,7 +4,11 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, exit};
 
-const SOURCES: [&str; 2] = ["ffi/oiio_shim.cpp", "ffi/oiio_textures.cpp"];
+const SOURCES: [&str; 3] = [
+    "ffi/oiio_shim.cpp",
+    "ffi/oiio_textures.cpp",
+    "ffi/oiio_display.cpp",
+];
 
 /// Called by build.rs: finds OpenImageIO by pkg-config, and compiles and links the shim. The program gets
 /// the shim's path and OpenImageIO's version in `TWINTREE_OIIO_SHIM` and `TWINTREE_OIIO_VERSION`.

@@ -99,6 +99,18 @@ typedef struct {
 int twt_texture_lookup(TwtTextures* textures, TwtThread* thread, TwtTexture* texture,
                        const TwtLookup* lookup, float* result);
 
+// --- displays --------------------------------------------------------------------------------------
+typedef struct TwtDisplay TwtDisplay;  // a view of a display of an OpenColorIO configuration
+
+// `config` is a file, or what else OpenColorIO takes ("ocio://default"). `name` is a view of the
+// configuration's first display, "DISPLAY/VIEW", or empty for its first view. Light comes in the first
+// of the `count` colour spaces that the configuration has.
+int twt_display_open(const char* config, const char* name, const char* const* spaces, int count,
+                     TwtDisplay** out, char* error, size_t error_len);
+void twt_display_close(TwtDisplay* display);
+// Turns light into what the display is to show: `count` pixels of three channels, in place. Any thread.
+int twt_display_apply(const TwtDisplay* display, float* rgb, int count, char* error, size_t error_len);
+
 #ifdef __cplusplus
 }
 #endif

@@ -70,5 +70,5 @@ pub fn run(args: &DenoiseArgs, console: &Console, interrupt: &Interrupt) -> Resu
     }
     let (picture, denoised) = denoising.apply(picture, false);
     denoised?;
-    outputs.write_images(&picture, &args.exr, args.exposure, args.view.view)
+    outputs.write_images(&picture, &args.exr, args.exposure, &args.view.view)
 }

@@ -3,6 +3,7 @@
 use super::aov::{self, Aov};
 use super::choice::{Choice, choice};
 use super::values;
+use super::view_arg::ViewParser;
 use crate::film::Layers;
 use crate::image::{Compression, PixelType, ViewTransform};
 use clap::Args;
@@ -79,22 +80,9 @@ pub struct ExrArgs {
 #[derive(Args, Clone, Debug)]
 pub struct ViewArgs {
     /// How .png and .jpg show light, which has no upper limit as they have
-    #[arg(long, value_name = "NAME", default_value = "srgb", value_parser = VIEWS)]
+    #[arg(long, value_name = "NAME", default_value = "srgb", value_parser = ViewParser)]
     pub view: ViewTransform,
 }
-
-const VIEWS: Choice<ViewTransform> = choice! {
-    /// As it is, cut off at white
-    "srgb" => ViewTransform::Srgb,
-    /// Khronos PBR Neutral: colours of things as they are, highlights compressed
-    "neutral" => ViewTransform::Neutral,
-    /// AgX: much compressed, bright colours go towards white as on film
-    "agx" => ViewTransform::Agx,
-    /// Hable's curve: soft shadows and highlights
-    "filmic" => ViewTransform::Filmic,
-    /// The numbers, cut off at 0 and 1, without the sRGB curve
-    "raw" => ViewTransform::Raw,
-};
 
 const NUMBERS: Choice<PixelType> = choice! {
     /// 16 bits

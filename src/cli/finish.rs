@@ -84,7 +84,7 @@ impl Done<'_> {
             stats.denoise_seconds = start.elapsed().as_secs_f64();
         }
         self.outputs
-            .write_images(&picture, &files.exr, self.exposure, files.view.view)?;
+            .write_images(&picture, &files.exr, self.exposure, &files.view.view)?;
         denoised
     }
 
@@ -107,7 +107,7 @@ impl Done<'_> {
         }
         if let Err(e) =
             self.outputs
-                .write_images(&picture, &files.exr, self.exposure, files.view.view)
+                .write_images(&picture, &files.exr, self.exposure, &files.view.view)
         {
             tracing::warn!("{}", e.text().unwrap_or_default());
         }

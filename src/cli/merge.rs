@@ -227,7 +227,7 @@ fn write(
         stats.denoise_seconds = start.elapsed().as_secs_f64();
     }
     let start = Instant::now();
-    let written = outputs.write_images(&picture, &args.files.exr, exposure, args.files.view.view);
+    let written = outputs.write_images(&picture, &args.files.exr, exposure, &args.files.view.view);
     stats.write_seconds = start.elapsed().as_secs_f64();
     stats.peak_memory_bytes = memory::peak_bytes();
     outputs.write_stats(&stats.to_json())?;

@@ -62,6 +62,7 @@ pub mod threads;
 pub mod train;
 pub mod values;
 pub mod view;
+mod view_arg;
 pub mod waiting;
 
 pub use args::Cli;

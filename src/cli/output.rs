@@ -154,14 +154,14 @@ impl Outputs {
         picture: &Image,
         exr: &ExrArgs,
         exposure: f32,
-        view: ViewTransform,
+        view: &ViewTransform,
     ) -> Result<(), Failure> {
         let options = WriteOptions {
             pixel_type: None,
             compression: exr.compression,
             tiled: u64::from(picture.width) * u64::from(picture.height) > LARGE,
             exposure,
-            view,
+            view: view.clone(),
         };
         let mut failures = Vec::new();
         for path in &self.images {

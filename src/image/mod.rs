@@ -14,6 +14,7 @@
 //! ```
 
 pub mod atomic;
+mod color_config;
 pub mod curve;
 pub mod decoded;
 pub mod denoise;
@@ -37,6 +38,7 @@ pub mod windows;
 mod write;
 mod write_options;
 
+pub use color_config::DisplayView;
 pub use file::{read, read_linear};
 pub use view_transform::ViewTransform;
 pub use write::{Format, load_library, write};

@@ -4,11 +4,12 @@
 //! white, the others compress it, each in its own way. `tests/vectors/view_transform.py` makes the
 //! values that they are tested against, from Blender's configuration of OpenColorIO.
 
+use super::DisplayView;
 use super::curve::linear_to_srgb;
 use crate::math::{Mat3, Rgb, Vec3};
 
 /// A way of showing linear light with Rec. 709 primaries.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub enum ViewTransform {
     /// As it is, cut off at 1: colours below white are exact.
     #[default]
@@ -22,31 +23,51 @@ pub enum ViewTransform {
     Filmic,
     /// The numbers themselves, cut off at 0 and 1, without the sRGB curve.
     Raw,
+    /// A view of an OpenColorIO configuration.
+    Display(DisplayView),
 }
 
 /// Light above this looks no different, and infinity has no ratio.
 const BRIGHTEST: f32 = 1e10;
 
 impl ViewTransform {
-    /// What to store for linear light: 0 to 1. A channel that is no number stays none: hiding it
-    /// would hide a bug.
-    pub fn apply(self, light: Rgb) -> [f32; 3] {
-        let bounded = light.map(|x| match x.is_nan() {
-            true => 0.0,
-            false => x.clamp(0.0, BRIGHTEST),
-        });
-        let shown = match self {
-            Self::Raw => bounded,
-            Self::Srgb => encoded(bounded),
-            Self::Neutral => encoded(neutral(bounded)),
-            Self::Agx => encoded(agx(bounded)),
-            Self::Filmic => encoded(filmic(bounded)),
-        };
-        let channel = |c: usize| match light[c].is_nan() {
-            true => f32::NAN,
-            false => shown[c].clamp(0.0, 1.0),
-        };
-        [channel(0), channel(1), channel(2)]
+    /// Turns linear light into what to store, 0 to 1. A channel that is no number stays none:
+    /// hiding it would hide a bug.
+    ///
+    /// # Errors
+    /// What OpenColorIO says of a [`Self::Display`].
+    pub fn apply(&self, pixels: &mut [[f32; 3]]) -> Result<(), String> {
+        let unknown: Vec<[bool; 3]> = pixels.iter().map(|p| p.map(f32::is_nan)).collect();
+        for x in pixels.as_flattened_mut() {
+            *x = if x.is_nan() {
+                0.0
+            } else {
+                x.clamp(0.0, BRIGHTEST)
+            };
+        }
+        match self {
+            Self::Raw => {}
+            Self::Srgb => each(pixels, encoded),
+            Self::Neutral => each(pixels, |light| encoded(neutral(light))),
+            Self::Agx => each(pixels, |light| encoded(agx(light))),
+            Self::Filmic => each(pixels, |light| encoded(filmic(light))),
+            Self::Display(view) => view.apply(pixels)?,
+        }
+        let unknown = unknown.as_flattened();
+        for (x, unknown) in pixels.as_flattened_mut().iter_mut().zip(unknown) {
+            *x = if *unknown {
+                f32::NAN
+            } else {
+                x.clamp(0.0, 1.0)
+            };
+        }
+        Ok(())
+    }
+}
+
+fn each(pixels: &mut [[f32; 3]], shown: impl Fn(Rgb) -> Rgb) {
+    for pixel in pixels {
+        *pixel = shown(Rgb::from_array(*pixel)).to_array();
     }
 }
 
@@ -150,6 +171,12 @@ fn filmic(light: Rgb) -> Rgb {
 mod tests {
     use super::*;
 
+    fn shown(view: &ViewTransform, light: Rgb) -> [f32; 3] {
+        let mut pixels = [light.to_array()];
+        view.apply(&mut pixels).unwrap();
+        pixels[0]
+    }
+
     const ALL: [ViewTransform; 5] = [
         ViewTransform::Srgb,
         ViewTransform::Neutral,
@@ -178,7 +205,7 @@ mod tests {
             assert!(pairs.len() > 10);
             for pair in pairs {
                 let (light, theirs) = (rgb(&pair[0]), rgb(&pair[1]).min(Rgb::ONE));
-                let ours = Rgb::from_array(view.apply(light));
+                let ours = Rgb::from_array(shown(&view, light));
                 let grey = light.min_element() == light.max_element();
                 let bound = if grey { greys } else { colours };
                 let error = (ours - theirs).abs().max_element();
@@ -220,7 +247,7 @@ mod tests {
             let mut last = 0.0;
             for i in 0..2000 {
                 let x = (i as f32 * 0.02 - 20.0).exp2();
-                let shown = view.apply(Rgb::splat(x))[1];
+                let shown = shown(&view, Rgb::splat(x))[1];
                 assert!(
                     (0.0..=1.0).contains(&shown) && shown >= last - 1e-6,
                     "{view:?} {x}"
@@ -234,14 +261,14 @@ mod tests {
                 f32::NEG_INFINITY,
                 f32::MIN_POSITIVE,
             ] {
-                let shown = view.apply(Rgb::new(x, 0.2, 1.0));
+                let shown = shown(&view, Rgb::new(x, 0.2, 1.0));
                 assert!(
                     shown.iter().all(|v| (0.0..=1.0).contains(v)),
                     "{view:?} {x}: {shown:?}"
                 );
             }
-            assert!(view.apply(Rgb::new(f32::NAN, 0.0, 0.0))[0].is_nan());
-            assert!(view.apply(Rgb::new(f32::NAN, 0.0, 0.0))[1] < 0.001);
+            let unknown = shown(&view, Rgb::new(f32::NAN, 0.0, 0.0));
+            assert!(unknown[0].is_nan() && unknown[1] < 0.001);
         }
     }
 }

@@ -84,10 +84,11 @@ pub fn write_parts(
     options: &WriteOptions,
 ) -> Result<(), ImageError> {
     let format = Format::of(path)?;
-    let prepared: Vec<Image> = parts
+    let prepared = parts
         .iter()
         .map(|(image, name)| prepare(image, name, format, options))
-        .collect();
+        .collect::<Result<Vec<Image>, String>>()
+        .map_err(|why| ImageError::new(path, why))?;
     for (image, (original, _)) in prepared.iter().zip(parts) {
         let expected = image.width as usize * image.height as usize * original.channels.len();
         if expected == 0 || expected != original.pixels.len() {
@@ -129,7 +130,12 @@ fn types(image: &Image, format: Format, options: &WriteOptions) -> Vec<PixelType
 }
 
 /// The channels that the format takes, with its curve.
-fn prepare(image: &Image, name: &str, format: Format, options: &WriteOptions) -> Image {
+fn prepare(
+    image: &Image,
+    name: &str,
+    format: Format,
+    options: &WriteOptions,
+) -> Result<Image, String> {
     let mut attributes = image.attributes.clone();
     // Names of mattes are of use beside the mattes alone, and may be many.
     attributes.retain(|a| format == Format::Exr || !a.name.starts_with("cryptomatte/"));
@@ -161,19 +167,20 @@ fn prepare(image: &Image, name: &str, format: Format, options: &WriteOptions) ->
         .map(|(i, x)| convert(stored[i], x))
         .collect();
     if format.is_display() {
-        show(&mut out, options);
+        show(&mut out, options)?;
     }
-    out
+    Ok(out)
 }
 
 /// Turns linear light into what is shown of it: of the first three channels, or the only one.
 /// Where there is alpha, that of what covers the pixel is shown: PNG keeps colours that are not
 /// multiplied by alpha, and a curve bends those that are.
-fn show(image: &mut Image, options: &WriteOptions) {
+fn show(image: &mut Image, options: &WriteOptions) -> Result<(), String> {
     let gain = options.exposure.exp2();
     let alpha = image.channel("A").filter(|alpha| *alpha >= 3);
-    let colors = if image.channels.len() < 3 { 1 } else { 3 };
-    for pixel in image.pixels.chunks_exact_mut(image.channels.len().max(1)) {
+    let channels = image.channels.len().max(1);
+    let colors = if channels < 3 { 1 } else { 3 };
+    let light = |pixel: &[f32]| {
         let light = match colors {
             1 => Rgb::splat(pixel[0]),
             _ => Rgb::new(pixel[0], pixel[1], pixel[2]),
@@ -184,9 +191,19 @@ fn show(image: &mut Image, options: &WriteOptions) {
             Some(alpha) => light / alpha,
             None => light,
         };
-        let shown = options.view.apply(light * gain);
-        pixel[..colors].copy_from_slice(&shown[..colors]);
+        (light * gain).to_array()
+    };
+    for row in image
+        .pixels
+        .chunks_mut(channels * image.width.max(1) as usize)
+    {
+        let mut shown: Vec<[f32; 3]> = row.chunks_exact(channels).map(light).collect();
+        options.view.apply(&mut shown)?;
+        for (pixel, shown) in row.chunks_exact_mut(channels).zip(shown) {
+            pixel[..colors].copy_from_slice(&shown[..colors]);
+        }
     }
+    Ok(())
 }
 
 /// Which channels a format takes.

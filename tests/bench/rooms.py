@@ -165,13 +165,12 @@ PLACES = {
 }
 
 
-def scene(name):
-    """The file's text."""
-    eye, target, fov, parts = PLACES[name]
+def document(eye, target, fov, parts, depth=16):
+    """A file's text: paths have up to `depth` edges."""
     contents = "\n".join(parts)
     return f"""<scene version="3.0.0">
 <default name="spp" value="64"/>
-<integrator type="path"><integer name="max_depth" value="16"/></integrator>
+<integrator type="path"><integer name="max_depth" value="{depth}"/></integrator>
 <sensor type="perspective"><float name="fov" value="{fov}"/>
 <transform name="to_world"><lookat origin="{eye}" target="{target}" up="0, 1, 0"/></transform>
 <sampler type="independent"><integer name="sample_count" value="$spp"/></sampler>
@@ -186,7 +185,7 @@ def write(folder):
     folder.mkdir(parents=True, exist_ok=True)
     paths = {name: folder / f"{name}.xml" for name in PLACES}
     for name, path in paths.items():
-        path.write_text(scene(name))
+        path.write_text(document(*PLACES[name]))
     return paths
 
 

@@ -5,6 +5,8 @@ mod benching;
 mod checkpoints;
 mod comparing;
 mod denoising;
+#[cfg(feature = "oiio")]
+mod displays;
 mod endless;
 mod errors;
 mod farming;

@@ -68,11 +68,12 @@ pub struct Lookup {
     pub nearest: i32,
 }
 
-/// `TwtInput`, `TwtTextures`, `TwtTexture` and `TwtThread` are never looked into.
+/// `TwtInput`, `TwtTextures`, `TwtTexture`, `TwtThread` and `TwtDisplay` are never looked into.
 pub enum Input {}
 pub enum Textures {}
 pub enum Texture {}
 pub enum Thread {}
+pub enum Display {}
 
 functions! {
     pub fn twt_input_open(
@@ -151,5 +152,22 @@ functions! {
         texture: *mut Texture,
         lookup: *const Lookup,
         result: *mut f32,
+    ) -> c_int;
+    pub fn twt_display_open(
+        config: *const c_char,
+        name: *const c_char,
+        spaces: *const *const c_char,
+        count: c_int,
+        out: *mut *mut Display,
+        error: *mut c_char,
+        error_len: usize,
+    ) -> c_int;
+    pub fn twt_display_close(display: *mut Display);
+    pub fn twt_display_apply(
+        display: *const Display,
+        rgb: *mut f32,
+        count: c_int,
+        error: *mut c_char,
+        error_len: usize,
     ) -> c_int;
 }

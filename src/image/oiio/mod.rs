@@ -1,5 +1,6 @@
 //! OpenImageIO in safe Rust: the only module that calls ffi/oiio_shim.h.
 
+pub mod display;
 mod ffi;
 pub mod input;
 mod library;

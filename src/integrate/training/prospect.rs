@@ -1,6 +1,6 @@
 //! Whether a field could help the paths of a view at all: asked before anything is learned.
 
-use super::trial::{HEAVY, unguided_noise};
+use super::trial::{EASY, HEAVY, unguided_noise};
 use crate::integrate::context::View;
 use crate::integrate::progress::Limits;
 
@@ -9,11 +9,6 @@ use crate::integrate::progress::Limits;
 const FEWEST_SAMPLES: u64 = 1 << 18;
 /// Samples of a pixel below which an image is a preview.
 const FEWEST_SPP: u64 = 8;
-/// Relative error of an unguided sample, squared, below which no field pays: a guided sample takes
-/// more than twice the time. (`tests/bench/regret.py`: terrace 0.07 and office 0.17, where guiding
-/// has 0.45 and 0.74 of the efficiency; Cornell box 0.37, where it has 3 times; patch of sun 1.8,
-/// corridor 23, where it has 1.8 and 8 times.)
-const EASY: f64 = 0.25;
 /// Share of the image's samples that tell, within [`PATHS`].
 const SHARE: f64 = 0.006;
 const PATHS: [u64; 2] = [1 << 12, 1 << 16];
@@ -42,10 +37,12 @@ pub fn not_worthwhile(view: &View, limits: &Limits) -> Option<&'static str> {
     is_easy(view, samples).then_some("paths find the light by themselves")
 }
 
-/// Whether unguided samples have so little noise that there is nothing to gain. Where light may be
-/// gathered by glass or metal, a few samples cannot tell: they may have missed it all.
+/// Whether unguided samples have so little noise that there is nothing to gain. Where glass or metal
+/// may gather the light of a sun or of a small lamp, a few samples cannot tell: they may have missed
+/// it all. An even sky or a large lamp they meet by chance.
 fn is_easy(view: &View, samples: u64) -> bool {
-    if view.scene.surfaces.cast_caustics() {
+    let scene = view.scene;
+    if scene.surfaces.cast_caustics() && !scene.lights.caustic_emitters().is_empty() {
         return false;
     }
     let paths = ((SHARE * samples as f64) as u64).clamp(PATHS[0], PATHS[1]);

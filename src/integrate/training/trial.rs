@@ -33,6 +33,12 @@ use scope::{SETS, Scope};
 /// behind by this factor and go on, at first and when it is tried again. The gains that
 /// trials found beside those of whole renders are in `EXPERIMENTS.md`.
 const PATIENCE: [f64; 2] = [1.6, 1.5];
+/// Relative error of an unguided sample, squared, below which no field pays: a guided sample takes
+/// more than twice the time. (`tests/bench/regret.py`: terrace 0.07 and office 0.17, where guiding
+/// has 0.45 and 0.74 of the efficiency; Cornell box 0.37, where it has 3 times; patch of sun 1.8,
+/// corridor 23, where it has 1.8 and 8 times.) There a trial is not given [`PATIENCE`]
+/// (`tests/bench/default.py`: glass and metal under a sky).
+pub(super) const EASY: f64 = 0.25;
 /// It is tried again where it is not ahead by this factor.
 const CLEAR: f64 = 1.5;
 /// Both ways find the same light: their images' means differ by no more than this share, one
@@ -50,6 +56,10 @@ pub(super) const HEAVY: f64 = 4.0;
 /// Guiding goes on because of the worst pixels only if with it they enlarge the mean by a factor
 /// that is smaller by this much. (tests/bench/regret.py compares the verdict with both ways.)
 const CALMER: f64 = 1.5;
+/// Relative error of a sample, squared, that nobody sees: a tail is measured against no less.
+/// Where an even sky lights a cube all samples of a face are the same, and its edges outweigh
+/// that by any factor.
+const CLEAN: f64 = 0.01;
 
 /// What the trial found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
@@ -98,7 +108,11 @@ impl Verdict {
 
     /// Whether guiding is ahead, or so little behind that it may soon be.
     pub fn may_catch_up(&self) -> bool {
-        self.gain() * PATIENCE[usize::from(self.again)] >= 1.0
+        let patience = match self.unguided < EASY {
+            true => 1.0,
+            false => PATIENCE[usize::from(self.again)],
+        };
+        self.gain() * patience >= 1.0
     }
 
     /// Whether more training samples may change it.
@@ -251,8 +265,7 @@ fn trimmed(values: &mut [f64]) -> (f64, f64) {
     let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len().max(1) as f64;
     let most = values.len() - (values.len() as f64 * WORST).ceil() as usize;
     let (with, without) = (mean(values), mean(&values[..most]));
-    let tail = if with > 0.0 { with / without } else { 1.0 };
-    (without, tail)
+    (without, with.max(CLEAN) / without.max(CLEAN))
 }
 
 /// How much larger the mean is with the worst. Sorts.

@@ -15,6 +15,17 @@ fn one_pixel_in_a_hundred_is_left_out() {
 }
 
 #[test]
+fn noise_that_nobody_sees_is_no_tail() {
+    // The faces of a cube under an even sky are clean, and an edge is not.
+    let mut edges = vec![0.0; 1000];
+    edges[..10].fill(0.2);
+    assert_eq!(trimmed(&mut edges), (0.0, 1.0));
+    // A caustic that one pixel of them has met.
+    edges[0] = 244.0;
+    assert!(trimmed(&mut edges).1 > HEAVY);
+}
+
+#[test]
 fn no_pixel_outweighs_all_others_and_none_is_forgotten() {
     let calm = vec![1.0; 10_000];
     let mut wild = calm.clone();
