@@ -61,6 +61,7 @@ pub mod light;
 pub mod make;
 pub mod manual;
 pub mod math;
+pub mod medium;
 pub mod photon;
 pub mod report;
 pub mod scene;

@@ -11,13 +11,14 @@ use syn::visit::{self, Visit};
 use syn::{Attribute, File, Item, ItemMod, ItemUse, UseTree, Visibility};
 
 /// The folders of `src`, from the top; those of one line do not import each other.
-const ORDER: [&[&str]; 9] = [
+const ORDER: [&[&str]; 10] = [
     &["cli"],
     &["report", "make"],
     &["integrate"],
     &["photon"],
     &["guide", "scene"],
     &["bsdf", "light", "camera", "film"],
+    &["medium"],
     &["texture"],
     &["accel", "image"],
     &["math"],

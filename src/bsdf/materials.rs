@@ -112,6 +112,12 @@ impl Materials {
         }
     }
 
+    /// Whether material `id` lets all light straight through: an index-matched surface.
+    pub fn is_null(&self, id: MaterialId) -> bool {
+        let material = self.list.get(id as usize).map(|p| &p.material);
+        matches!(material, Some(Material::Null(_)))
+    }
+
     /// Whether material `id` needs [`Materials::opacity`] asked at every hit.
     pub fn is_masked(&self, id: MaterialId) -> bool {
         self.list.get(id as usize).is_some_and(|p| p.masked)

@@ -40,6 +40,8 @@ impl LobeFlags {
     pub const TRANSMISSION: LobeFlags = LobeFlags(8);
     /// Passes straight through, as if nothing were there.
     pub const NULL: LobeFlags = LobeFlags(16);
+    /// Scatters inside of a medium, where there is no surface.
+    pub const VOLUME: LobeFlags = LobeFlags(32);
 
     /// Whether all of `other`'s bits are set.
     #[inline]
@@ -88,6 +90,7 @@ mod perturb;
 mod resolve;
 mod transmittance;
 mod tree;
+mod volume;
 
 pub use coat_and_base::View;
 pub use delta_split::{DeltaSplit, Rest};

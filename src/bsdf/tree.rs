@@ -9,6 +9,7 @@ use super::lobes::rough_plastic::RoughPlasticLobe;
 use super::lobes::{Lobe, weighted};
 use super::material::Leaf;
 use super::perturb::Perturbation;
+use super::volume::{self, Collision};
 use super::{BsdfSample, LobeFlags, Transport};
 use crate::math::rng::BELOW_ONE;
 use crate::math::{Rgb, Vec2, Vec3};
@@ -34,6 +35,8 @@ pub(super) enum Node {
     Mix(Mix),
     Coating(Coating, NodeId),
     RoughCoating(RoughCoating, NodeId),
+    /// No surface: a collision inside of a medium.
+    Collision(Collision),
 }
 
 /// A weighted sum of two models.
@@ -119,6 +122,7 @@ impl Tree {
         match self.node(id) {
             Node::Leaf(lobe) => lobe.eval_pdf(wo, wi, transport),
             Node::Black => (Rgb::ZERO, 0.0),
+            Node::Collision(collision) => collision.eval_pdf(wi),
             &Node::Flipped(inner) => self.eval_pdf(inner, flip(wo), flip(wi), transport),
             Node::Perturbed(p, inner) => p.eval_pdf(&self.at(*inner), wo, wi, transport),
             Node::Mix(mix) => self.eval_mix(mix, wo, wi, transport),
@@ -139,6 +143,7 @@ impl Tree {
         match self.node(id) {
             Node::Leaf(lobe) => lobe.sample(wo, u_lobe, u, transport),
             Node::Black => None,
+            Node::Collision(collision) => Some(collision.sample(u_lobe, u)),
             &Node::Flipped(inner) => {
                 let s = self.sample(inner, flip(wo), u_lobe, u, transport)?;
                 Some(BsdfSample {
@@ -198,6 +203,7 @@ impl Tree {
         match self.node(id) {
             Node::Leaf(lobe) => lobe.flags(),
             Node::Black => LobeFlags::default(),
+            Node::Collision(_) => volume::FLAGS,
             &Node::Flipped(inner) | &Node::Perturbed(_, inner) => self.flags(inner),
             Node::Mix(mix) => self.flags(mix.first) | self.flags(mix.second),
             Node::Coating(_, inner) => self.flags(*inner) | Coating::FLAGS,
@@ -210,6 +216,7 @@ impl Tree {
         match self.node(id) {
             Node::Leaf(lobe) => lobe.albedo(),
             Node::Black => Rgb::ZERO,
+            Node::Collision(collision) => collision.albedo(),
             &Node::Flipped(inner) | &Node::Perturbed(_, inner) => self.albedo(inner),
             Node::Mix(mix) => {
                 let [a, b] = mix.weights;
@@ -223,7 +230,7 @@ impl Tree {
     /// differ.
     pub fn normal(&self, id: NodeId) -> Vec3 {
         match self.node(id) {
-            Node::Leaf(_) | Node::Black => Vec3::Z,
+            Node::Leaf(_) | Node::Black | Node::Collision(_) => Vec3::Z,
             // Seen from its back, in a mirrored frame, it is on the side of the front again.
             &Node::Flipped(inner) => -flip(self.normal(inner)),
             Node::Perturbed(p, inner) => p.frame().to_world(self.normal(*inner)),
@@ -240,6 +247,7 @@ impl Tree {
         match self.node(id) {
             Node::Leaf(lobe) => lobe.roughness(),
             Node::Black => None,
+            Node::Collision(collision) => Some(collision.roughness()),
             &Node::Flipped(inner) | &Node::Perturbed(_, inner) | &Node::Coating(_, inner) => {
                 self.roughness(inner)
             }

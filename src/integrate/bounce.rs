@@ -21,6 +21,14 @@ pub struct BounceResult {
     pub shadow: Option<(Ray, ShadowRay)>,
 }
 
+/// What a path's ray met, if anything.
+pub(super) struct Met<'a> {
+    pub ray: &'a Ray,
+    pub hit: &'a Hit,
+    /// Distance that the path went before this ray, through index-matched surfaces.
+    pub before: f32,
+}
+
 /// A point where a path scatters, and the radiance that its sample has come to so far.
 pub(super) struct Arrived<'a, 's> {
     pub point: &'a SurfacePoint<'s>,
@@ -35,7 +43,7 @@ pub(super) struct Arrived<'a, 's> {
 /// A way to trace paths: plain or guided.
 pub(super) trait Scatter<'s> {
     /// The state of its paths.
-    type Path: AsRef<Path> + Copy;
+    type Path: AsRef<Path> + AsMut<Path> + Copy;
 
     /// What light counts that a path meets behind a delta lobe or from the camera: 1 where no other
     /// way of sampling could have found it.
@@ -52,6 +60,9 @@ pub(super) trait Scatter<'s> {
         path: &Self::Path,
         first_hits: &'f mut [FirstHit],
     ) -> Option<&'f mut FirstHit>;
+
+    /// How many accumulators the wave has; `None` if no path opens more.
+    fn accumulators(&self) -> Option<usize>;
 
     /// Samples lights and the next direction.
     fn scatter(
@@ -74,7 +85,7 @@ pub(super) trait Scatter<'s> {
 #[inline(always)]
 pub(super) fn bounce<'s, S: Scatter<'s>>(
     context: &PathContext<'s>,
-    (ray, hit): (&Ray, &Hit),
+    Met { ray, hit, before }: Met,
     how: &mut S,
     path: &mut S::Path,
     radiance: &mut Rgb,
@@ -87,7 +98,8 @@ pub(super) fn bounce<'s, S: Scatter<'s>>(
     let weight_after_delta = |light| how.weight_after_delta(context, path, light);
     let base = (*path).as_ref();
     let depth = base.depth;
-    let cone_width = base.cone_width + base.cone_spread * hit.t;
+    let distance = before + hit.t;
+    let cone_width = base.cone_width + base.cone_spread * distance;
     let Some(surface) = scene.surfaces.met(hit) else {
         if depth == 0 {
             first_hits.push(FirstHit::NOTHING);
@@ -103,7 +115,7 @@ pub(super) fn bounce<'s, S: Scatter<'s>>(
     };
     let point = scene.surfaces.point(ray, hit, cone_width);
     let wo = -ray.dir;
-    observer.arrive(base.accumulator, *radiance, hit.t);
+    observer.arrive(base.accumulator, *radiance, distance);
     if surface.glows() {
         let light = emitted(context, surface, (&point, wo), base, weight_after_delta);
         *radiance += light;
@@ -115,7 +127,7 @@ pub(super) fn bounce<'s, S: Scatter<'s>>(
     }
     let mut bsdf = scene.surfaces.bsdf(surface, &point, wo);
     if depth == 0 {
-        let seen = features::first_hit(scene, surface, (&point, wo), &bsdf, hit.t);
+        let seen = features::first_hit(scene, surface, (&point, wo), &bsdf, distance);
         first_hits.push(seen);
         observer.sees(Some((&point, hit)));
         if settings.max_depth < 2 {
@@ -128,7 +140,7 @@ pub(super) fn bounce<'s, S: Scatter<'s>>(
         point: &point,
         bsdf: &mut bsdf,
         wo,
-        distance: hit.t,
+        distance,
         radiance: *radiance,
     };
     how.scatter(context, at, path, observer)

@@ -75,6 +75,32 @@ pub(super) fn add_sky(first: &mut FirstHit, path: &Path) {
     first.features.get_or_insert(Features::NONE).add(&sky);
 }
 
+/// What a path from the camera meets where it collides inside of a medium.
+pub(super) fn first_collision(albedo: Rgb, depth: f32) -> FirstHit {
+    FirstHit {
+        albedo,
+        normal: Vec3::ZERO,
+        depth,
+        features: Some(Features {
+            albedo,
+            normal: Vec3::ZERO,
+            weight: 1.0,
+        }),
+        specular_edges: 0,
+    }
+}
+
+/// The same of a path that has come from a mirror or from glass.
+pub(super) fn add_collision(first: &mut FirstHit, albedo: Rgb, path: &Path) {
+    let arrived = arrived(path);
+    let seen = Features {
+        albedo: arrived * albedo,
+        normal: Vec3::ZERO,
+        weight: mean(arrived),
+    };
+    first.features.get_or_insert(Features::NONE).add(&seen);
+}
+
 /// What is seen of a surface that this much of a path arrives at; a part of it where the surface
 /// mirrors, too.
 #[inline(never)]

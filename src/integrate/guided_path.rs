@@ -55,6 +55,13 @@ impl AsRef<Path> for GuidedPath {
     }
 }
 
+impl AsMut<Path> for GuidedPath {
+    #[inline]
+    fn as_mut(&mut self) -> &mut Path {
+        &mut self.base
+    }
+}
+
 /// How far a path has come, for the reuse of its suffix (see [`super::reuse`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PrefixState {

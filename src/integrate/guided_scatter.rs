@@ -66,6 +66,10 @@ impl<'s> Scatter<'s> for GuidedOutput<'_, 's> {
         Some(&mut first_hits[sample as usize])
     }
 
+    fn accumulators(&self) -> Option<usize> {
+        Some(self.split_paths.accumulators())
+    }
+
     #[inline(always)]
     fn scatter(
         &mut self,

@@ -119,10 +119,14 @@ pub struct GuidedVertex<'a> {
     light_factors: Option<&'a ClusterFactors>,
 }
 
-/// Whether a field could serve a material at all: some lobe is smooth and none too narrow.
+/// Whether a field could serve a material at all: some lobe is smooth and none too narrow. What is
+/// learned of surfaces says nothing of the medium beside them.
 #[inline]
 pub fn is_guidable(bsdf: &Bsdf) -> bool {
-    bsdf.flags().has(LobeFlags::SMOOTH) && bsdf.roughness() >= MIN_ROUGHNESS
+    let flags = bsdf.flags();
+    flags.has(LobeFlags::SMOOTH)
+        && !flags.has(LobeFlags::VOLUME)
+        && bsdf.roughness() >= MIN_ROUGHNESS
 }
 
 /// Whether what a surface reflects by these lobes follows from the irradiance. A floor of roughness

@@ -58,6 +58,7 @@ pub mod guiding;
 pub mod light_sums;
 mod lobe_splitting;
 pub mod manifold;
+mod media;
 mod next_event;
 pub mod observer;
 pub mod path;

@@ -26,6 +26,12 @@ pub(super) struct Offer {
 }
 
 impl Offer {
+    /// Media let this much of it through.
+    #[inline]
+    pub fn attenuate(&mut self, transmittance: Rgb) {
+        self.factor *= transmittance;
+    }
+
     /// The radiance that the path's sample gains.
     #[inline]
     pub fn radiance(&self, lights: &Lights) -> Rgb {

@@ -67,6 +67,13 @@ impl AsRef<Path> for Path {
     }
 }
 
+impl AsMut<Path> for Path {
+    #[inline]
+    fn as_mut(&mut self) -> &mut Path {
+        self
+    }
+}
+
 /// What the camera sees first along a sample, and behind mirrors and glass: for the AOVs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstHit {

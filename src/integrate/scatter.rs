@@ -35,6 +35,10 @@ impl<'s> Scatter<'s> for Plain {
         (first.specular_edges == path.depth).then_some(first)
     }
 
+    fn accumulators(&self) -> Option<usize> {
+        None
+    }
+
     #[inline(always)]
     fn scatter(
         &mut self,

@@ -1,12 +1,13 @@
 //! A wave of paths that advance together, one bounce at a time.
 
-use super::bounce::{Scatter, bounce};
+use super::bounce::{Met, Scatter, bounce};
 use super::camera_sample::Origin;
 use super::context::PathContext;
 use super::guided_path::GuidedPath;
 use super::guided_scatter::GuidedOutput;
 use super::lobe_splitting;
 use super::manifold::LastRoughVertex;
+use super::media::{self, ShadowMedium, Whereabouts};
 use super::next_event::ShadowRay;
 use super::observer::PathObserver;
 use super::path::{FirstHit, Path};
@@ -51,6 +52,8 @@ pub struct Wave {
     plain: Wavefront<Path>,
     guided: Wavefront<GuidedPath>,
     shadows: ShadowRays,
+    /// Where paths are, by accumulator, in scenes with media.
+    whereabouts: Vec<Whereabouts>,
     blocked: Vec<bool>,
     /// Radiance by accumulator.
     radiances: Vec<Rgb>,
@@ -108,7 +111,8 @@ impl Wave {
     ) -> Option<Outcomes<'_>> {
         let before = self.rays_traced;
         let guided = context.guide.is_some();
-        let most = if guided {
+        // What is shared would have to be attenuated along each connection.
+        let most = if guided && context.scene.media.is_empty() {
             context.settings.guided.reuse
         } else {
             1
@@ -164,6 +168,11 @@ impl Wave {
         let mut edges: u32 = 0;
         self.split_paths.start(self.radiances.len());
         self.rough_vertices.clear();
+        self.whereabouts.clear();
+        if !context.scene.media.is_empty() {
+            let camera = Whereabouts::inside(context.scene.media.camera);
+            self.whereabouts.resize(self.radiances.len(), camera);
+        }
         if context.guide.is_some() {
             let begin = |(path, ray)| (GuidedPath::new(path, lobe_splitting::FROM_CAMERA), ray);
             self.guided.extend(self.plain.drain().map(begin));
@@ -200,7 +209,7 @@ impl Wave {
             context,
             &mut Plain,
             sums,
-            &mut self.shadows,
+            (&mut self.shadows, &mut self.whereabouts),
             observer,
         );
     }
@@ -225,7 +234,7 @@ impl Wave {
             context,
             &mut output,
             sums,
-            &mut self.shadows,
+            (&mut self.shadows, &mut self.whereabouts),
             observer,
         );
         self.rays_traced += rays;
@@ -240,10 +249,17 @@ impl Wave {
     /// Adds the light of all unblocked shadow rays. It was scattered so often: all paths of a wave
     /// have as many edges.
     fn collect_light(&mut self, scene: &Scene, observer: &mut impl PathObserver, bounces: u32) {
-        let ShadowRays { rays, offers } = &mut self.shadows;
-        self.blocked.resize(rays.len(), false);
-        scene.rays.occluded_batch(rays, &mut self.blocked);
-        self.rays_traced += rays.len() as u64;
+        self.blocked.clear();
+        self.blocked.resize(self.shadows.rays.len(), false);
+        self.rays_traced += match scene.media.is_empty() {
+            true => {
+                let rays = &self.shadows.rays;
+                scene.rays.occluded_batch(rays, &mut self.blocked);
+                rays.len() as u64
+            }
+            false => media::cast_shadows(scene, &mut self.shadows.in_media(), &mut self.blocked),
+        };
+        let ShadowRays { rays, offers, .. } = &mut self.shadows;
         let mut blocked = self.blocked.iter();
         offers.retain(|_| blocked.next() == Some(&false));
         if observer.wants_sources() {
@@ -272,6 +288,18 @@ impl Wave {
 struct ShadowRays {
     rays: Vec<Ray>,
     offers: Vec<ShadowRay>,
+    /// Where each begins, in scenes with media.
+    media: Vec<ShadowMedium>,
+}
+
+impl ShadowRays {
+    fn in_media(&mut self) -> media::Shadows<'_> {
+        media::Shadows {
+            rays: &mut self.rays,
+            offers: &mut self.offers,
+            media: &mut self.media,
+        }
+    }
 }
 
 /// Lets every path of a wavefront bounce; returns the number of rays.
@@ -281,14 +309,24 @@ fn advance<'s, S: Scatter<'s>>(
     context: &PathContext<'s>,
     how: &mut S,
     (radiances, first_hits): (&mut [Rgb], &mut Vec<FirstHit>),
-    shadows: &mut ShadowRays,
+    (shadows, whereabouts): (&mut ShadowRays, &mut Vec<Whereabouts>),
     observer: &mut impl PathObserver,
 ) -> u64 {
     shadows.offers.clear();
     shadows.rays.clear();
+    if !context.scene.media.is_empty() {
+        shadows.media.clear();
+        let sums = (radiances, first_hits);
+        let places = (whereabouts, &mut shadows.in_media());
+        return media::advance(wavefront, context, how, sums, places, observer);
+    }
     wavefront.advance(context.scene, |path, ray, hit| {
         let radiance = &mut radiances[(*path).as_ref().accumulator as usize];
-        let met = (ray, hit);
+        let met = Met {
+            ray,
+            hit,
+            before: 0.0,
+        };
         let result = bounce(context, met, how, path, radiance, first_hits, observer);
         if let Some((ray, shadow)) = result.shadow {
             shadows.rays.push(ray);

@@ -2,6 +2,7 @@
 //! samplable, its materials resolved on demand.
 
 use super::description::{Description, Geometry, Mesh, Shape};
+use super::media::SceneMedia;
 use super::surface::{DARK, Form, Needs, Surface, Surfaces};
 use crate::accel::{self, AccelError, Backend, BuildSettings, RayQuery, World};
 use crate::bsdf::Materials;
@@ -14,6 +15,8 @@ use std::sync::Arc;
 pub struct Scene {
     /// Surfaces and their materials.
     pub surfaces: Arc<Surfaces>,
+    /// Participating media.
+    pub media: SceneMedia,
     /// Emitters.
     pub lights: Lights,
     /// The ray tracer.
@@ -38,6 +41,12 @@ impl Scene {
             .iter()
             .map(|i| (i.to_world, i.to_world.inverse()))
             .collect();
+        let media = SceneMedia::new(
+            std::mem::take(&mut description.media),
+            description.camera_medium,
+            &description.shapes,
+            &materials,
+        );
         let instance_groups = world.instances.iter().map(|i| i.group).collect();
         let list: Vec<Surface> = std::mem::take(&mut description.shapes)
             .into_iter()
@@ -58,6 +67,7 @@ impl Scene {
         let lights = Lights::build(emitters, &glowing, bounds, target);
         Ok(Self {
             surfaces,
+            media,
             lights,
             rays,
         })

@@ -6,6 +6,7 @@ use crate::camera::CameraDescription;
 use crate::film::FilmDescription;
 use crate::light::Emitter;
 use crate::math::{DAffine3, DVec3, Vec2, Vec3, Vec4};
+use crate::medium::{Boundary, Media, MediumId};
 use crate::texture::MeshAttributes;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -52,6 +53,8 @@ pub struct Shape {
     pub flip_normals: bool,
     /// Group it belongs to; `None` stands in the world.
     pub group: Option<u32>,
+    /// The media on its sides; `None` where it divides nothing: both sides are as around it.
+    pub boundary: Option<Boundary>,
 }
 
 /// Which numbers drive the samples.
@@ -115,6 +118,10 @@ pub struct Description {
     /// What the scene calls them, by number, those that it has a name for. An area emitter goes by
     /// its shape's name as well.
     pub emitter_names: BTreeMap<u32, String>,
+    /// Media that shapes have on their sides.
+    pub media: Media,
+    /// The medium that the camera is in.
+    pub camera_medium: MediumId,
     /// Camera.
     pub camera: CameraDescription,
     /// Film.
@@ -138,6 +145,8 @@ impl Description {
             materials: Materials::default(),
             emitters: Vec::new(),
             emitter_names: BTreeMap::new(),
+            media: Media::default(),
+            camera_medium: crate::medium::VACUUM,
             camera: CameraDescription {
                 to_world: DAffine3::IDENTITY,
                 projection: crate::camera::Projection::Orthographic,

@@ -7,6 +7,7 @@ pub mod description;
 pub mod fingerprint;
 pub mod import;
 pub mod interaction;
+pub mod media;
 mod normal_derivative;
 pub mod precautions;
 pub mod spare;

@@ -113,6 +113,7 @@ mod tests {
                 emitter: None,
                 flip_normals: true,
                 group: instance.map(|_| 0),
+                boundary: None,
             }],
             materials,
             groups: u32::from(instance.is_some()),

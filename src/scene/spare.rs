@@ -148,6 +148,7 @@ mod tests {
             emitter: None,
             flip_normals: false,
             group: None,
+            boundary: None,
         }
     }
 

@@ -103,6 +103,17 @@ impl SurfacePoint<'_> {
         Ray::new(offset_origin(self.p, self.error, self.ng, dir), dir)
     }
 
+    /// A point inside of a medium, seen from `wo`: rays that leave it begin there.
+    pub fn in_volume(p: Vec3, wo: Vec3, footprint: f32) -> SurfacePoint<'static> {
+        SurfacePoint {
+            p,
+            ng: wo,
+            frame: Frame::new(wo),
+            footprint,
+            ..SurfacePoint::at_uv(Vec2::ZERO)
+        }
+    }
+
     /// A point that stands for no surface in particular, at the given texture coordinates: for
     /// evaluating a texture by itself.
     pub fn at_uv(uv: Vec2) -> SurfacePoint<'static> {

@@ -7,7 +7,7 @@
 use crate::accel::{Hit, Ray};
 use crate::film::Film;
 use crate::film::filter::FilterSampler;
-use crate::integrate::bounce::bounce;
+use crate::integrate::bounce::{Met, bounce};
 use crate::integrate::camera_sample::{PathNumber, first_ray};
 use crate::integrate::context::View;
 use crate::integrate::guided_path::GuidedPath;
@@ -213,7 +213,11 @@ fn step<'s>(
     let context = view.context();
     let result = bounce(
         &context,
-        (ray, hit),
+        Met {
+            ray,
+            hit,
+            before: 0.0,
+        },
         &mut output,
         path,
         radiance,

@@ -71,6 +71,7 @@ fn shape(kind: AnalyticKind, receiver: Affine3A, material: MaterialId) -> Shape 
         emitter: None,
         flip_normals: false,
         group: None,
+        boundary: None,
     }
 }
 

@@ -150,6 +150,7 @@ impl Studio {
             emitter: Some((parts.emitters.len() - 1) as u32),
             flip_normals: false,
             group: None,
+            boundary: None,
         });
     }
 }

@@ -22,6 +22,7 @@ use crate::film::filter::Filter;
 use crate::film::{FilmDescription, FilmKind};
 use crate::light::EnvironmentImage;
 use crate::math::{Affine3A, DVec3, Vec3};
+use crate::medium::{Media, VACUUM};
 use crate::scene::description::RenderDescription;
 use crate::scene::{Description, Geometry, Shape};
 use std::sync::Arc;
@@ -83,6 +84,8 @@ impl Studio {
         self.add_ground(&mut parts, bounds);
         self.add_light(&mut parts, &shot.camera, bounds);
         Ok(Description {
+            media: Media::default(),
+            camera_medium: VACUUM,
             shapes: parts.shapes,
             groups: parts.groups,
             instances: parts.instances,
@@ -120,6 +123,7 @@ impl Studio {
             emitter: None,
             flip_normals: false,
             group: None,
+            boundary: None,
         });
     }
 }

@@ -274,6 +274,7 @@ impl<'a> Importer<'a> {
                 emitter,
                 flip_normals: false,
                 group: plan.group,
+                boundary: None,
             });
         }
         Ok(())

@@ -5,6 +5,7 @@ use super::films::default_film;
 use super::pending::Sensor;
 use crate::camera::{CameraDescription, FovAxis, Projection};
 use crate::math::{DAffine3, DVec3};
+use crate::medium::VACUUM;
 use crate::scene::Shape;
 use crate::scene::description::SamplerKind;
 use crate::scene::import::parts::bounds_of;
@@ -29,6 +30,7 @@ pub(super) fn frame(shapes: &[Shape], instances: &[(u32, DAffine3)]) -> Sensor {
         translation: center + from * distance,
     };
     Sensor {
+        medium: VACUUM,
         camera: CameraDescription {
             to_world,
             projection: Projection::Perspective {

@@ -9,6 +9,7 @@ use super::role::Role;
 use crate::bsdf::{MaterialId, Materials};
 use crate::light::{Emitter, EnvironmentImage};
 use crate::math::{DAffine3, DVec3};
+use crate::medium::{Media, MediumId};
 use crate::scene::description::RenderDescription;
 use crate::scene::import::{ImportError, ImportOptions};
 use crate::texture::Texture;
@@ -37,6 +38,9 @@ pub(super) struct Importer<'a> {
     pub texture_size: HashMap<usize, usize>,
     /// Environment maps by what they were read from.
     pub environments: &'a mut Environments,
+    pub media: Media,
+    /// Media by the object they were made from.
+    pub medium_of: HashMap<usize, MediumId>,
     pub emitters: Vec<Emitter>,
     /// What they are called, by number.
     pub emitter_names: BTreeMap<u32, String>,
@@ -80,6 +84,8 @@ impl<'a> Importer<'a> {
             texture_of: HashMap::new(),
             texture_size: HashMap::new(),
             environments,
+            media: Media::default(),
+            medium_of: HashMap::new(),
             emitters: Vec::new(),
             emitter_names: BTreeMap::new(),
             shapes: Vec::new(),
@@ -147,15 +153,14 @@ impl<'a> Importer<'a> {
         }
     }
 
-    /// Says that a medium is left out.
-    pub fn no_media(&mut self, index: usize) -> Result<(), ImportError> {
+    /// Says that light inside of a body is left out.
+    pub fn no_subsurface(&mut self, index: usize) {
         let object = &self.document.objects[index];
         let place = self.document.location(object.at);
         let (tag, plugin) = (&object.tag, &object.plugin);
         self.warn(format!(
-            "{place}: {tag} \"{plugin}\" is left out: light travels in straight lines between surfaces here"
+            "{place}: {tag} \"{plugin}\" is left out: the surface does not let light in"
         ));
-        Ok(())
     }
 
     /// Remembers something odd. The same thing twice is told once.

@@ -34,8 +34,8 @@ pub(super) fn integrator<'a>(
         integrator(importer, &params, *inner)?;
     }
     match plugin {
-        "path" | "direct" => importer.done(p),
-        "guided_path" | "volpath" | "volpathmis" | "volpath_simple" => {
+        "path" | "direct" | "volpath" | "volpathmis" => importer.done(p),
+        "guided_path" | "volpath_simple" => {
             replaced(importer, p, "is rendered by this program's own path tracer");
         }
         _ if !nested.is_empty() => {

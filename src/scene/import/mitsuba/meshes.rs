@@ -140,6 +140,7 @@ fn place(importer: &mut Importer, shapes: Vec<(PendingShape, Option<Geometry>)>)
             emitter,
             flip_normals: pending.flip_normals,
             group: pending.group,
+            boundary: pending.boundary,
         });
     }
     out

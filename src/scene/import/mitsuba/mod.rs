@@ -27,6 +27,7 @@ mod films;
 mod framing;
 mod importer;
 mod integrators;
+mod media;
 mod meshes;
 mod names;
 mod origin;

@@ -4,6 +4,7 @@ use super::xml::At;
 use crate::bsdf::MaterialId;
 use crate::camera::CameraDescription;
 use crate::film::FilmDescription;
+use crate::medium::{Boundary, MediumId};
 use crate::scene::Geometry;
 use crate::scene::description::SamplerKind;
 use crate::scene::import::mesh::{MeshKind, MeshOptions};
@@ -21,6 +22,8 @@ pub(super) struct PendingShape {
     pub lamp_id: Option<String>,
     pub flip_normals: bool,
     pub group: Option<u32>,
+    /// The media on its sides.
+    pub boundary: Option<Boundary>,
 }
 
 /// What a pending shape is made of.
@@ -59,4 +62,6 @@ pub(super) struct Sensor {
     /// Samples a pixel, where the scene says.
     pub spp: Option<u32>,
     pub sampler: SamplerKind,
+    /// What the camera is in.
+    pub medium: MediumId,
 }

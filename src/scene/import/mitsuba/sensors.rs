@@ -6,6 +6,7 @@ use super::params::Params;
 use super::pending::Sensor;
 use crate::camera::{CameraDescription, FovAxis, Projection};
 use crate::math::DAffine3;
+use crate::medium::VACUUM;
 use crate::scene::description::SamplerKind;
 use crate::scene::import::ImportError;
 
@@ -31,15 +32,17 @@ impl<'a> Importer<'a> {
             Some(sampler) => self.sampler(sampler),
             None => (SamplerKind::default(), None),
         };
-        for (_, medium) in p.children("medium") {
-            self.no_media(medium)?;
-        }
+        let medium = match p.child("medium")? {
+            Some(medium) => self.medium(medium),
+            None => VACUUM,
+        };
         self.done(&p);
         Ok(Sensor {
             camera,
             film,
             spp,
             sampler,
+            medium,
         })
     }
 

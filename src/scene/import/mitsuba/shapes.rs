@@ -69,11 +69,10 @@ impl<'a> Importer<'a> {
         let radiance = lamp.flatten();
         let lamp = p.child("emitter")?;
         let lamp_id = lamp.and_then(|lamp| self.document.objects[lamp].id.clone());
-        for tag in ["medium", "subsurface"] {
-            for (_, inner) in p.children(tag) {
-                self.no_media(inner)?;
-            }
+        for (_, inner) in p.children("subsurface") {
+            self.no_subsurface(inner);
         }
+        let boundary = self.boundary(p);
         // Mitsuba measures light at shapes with sensors; only the scene's own sensor matters here.
         let _ = p.children("sensor");
         p.ignore(&["silhouette_sampling_weight"]);
@@ -93,6 +92,7 @@ impl<'a> Importer<'a> {
             lamp_id,
             flip_normals,
             group,
+            boundary,
         });
         self.done(p);
         Ok(())

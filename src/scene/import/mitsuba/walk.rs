@@ -90,7 +90,8 @@ impl Importer<'_> {
                 let params = Params::new(self.document, index);
                 integrators::integrator(self, &params, index)?;
             }
-            "medium" => self.no_media(index)?,
+            // Shapes and the sensor refer to it.
+            "medium" => {}
             "bsdf" | "texture" | "spectrum" => {}
             // What others refer to was only given its name here.
             _ if self.document.is_referred_to(index) => {}
@@ -142,6 +143,8 @@ impl Importer<'_> {
             );
         }
         Description {
+            media: self.media,
+            camera_medium: sensor.medium,
             shapes,
             groups,
             instances: self.instances,

@@ -269,6 +269,7 @@ impl Adder<'_> {
             emitter,
             flip_normals: false,
             group,
+            boundary: None,
         });
     }
 }

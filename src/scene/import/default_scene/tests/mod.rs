@@ -32,6 +32,7 @@ fn model(center: Vec3, half: Vec3) -> Parts {
         emitter: None,
         flip_normals: false,
         group: None,
+        boundary: None,
     });
     parts
 }

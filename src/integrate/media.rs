@@ -1,0 +1,330 @@
+//! Paths in scenes with participating media. A scene without media has no part in this: its paths
+//! are advanced by [`super::wave`] alone.
+//!
+//! Between two surfaces a path may collide (see [`crate::medium`]): then it scatters by a phase
+//! function, like at a surface. Index-matched surfaces are passed within one edge: they change the
+//! medium and nothing else. Next-event estimation passes them, too, and is attenuated. MIS weighs
+//! both by the densities of their directions: what comes through is the same for both.
+//!
+//! A path's medium is kept beside it, by accumulator: split paths have accumulators of their own.
+
+use super::bounce::{Arrived, BounceResult, Met, Scatter, bounce};
+use super::context::PathContext;
+use super::features;
+use super::next_event::ShadowRay;
+use super::observer::PathObserver;
+use super::path::FirstHit;
+use crate::accel::{Hit, Ray};
+use crate::bsdf::Bsdf;
+use crate::math::{PathSampler, Rgb, Vec3};
+use crate::medium::{Boundary, MediumId, Segment, Spectrum};
+use crate::scene::Scene;
+use crate::scene::media::length;
+use crate::scene::wavefront::Wavefront;
+use crate::texture::SurfacePoint;
+
+/// Index-matched surfaces that a ray passes at most: more are a bug of the geometry, and the path
+/// ends.
+const MOST_PASSED: u32 = 10_000;
+/// Numbers of the paths' sequences: beside those of the path itself.
+const FLIGHT: u32 = 0x666c_6967;
+const SHADOW: u32 = 0x7368_6164;
+
+/// Where a path is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Whereabouts {
+    /// The media around the surface that the path has left.
+    around: Boundary,
+    /// Its geometric normal.
+    ng: Vec3,
+    spectrum: Spectrum,
+}
+
+impl Whereabouts {
+    /// Of a path that begins inside a medium.
+    pub fn inside(medium: MediumId) -> Self {
+        Self {
+            around: Boundary {
+                interior: medium,
+                exterior: medium,
+            },
+            ng: Vec3::Z,
+            spectrum: Spectrum::default(),
+        }
+    }
+
+    /// The medium that a ray along `dir` is in.
+    #[inline]
+    fn medium(&self, dir: Vec3) -> MediumId {
+        self.around.beyond(self.ng, dir)
+    }
+
+    /// On or in a medium without a boundary.
+    fn stay(&mut self, medium: MediumId) {
+        self.around = Self::inside(medium).around;
+    }
+
+    /// At a surface that a ray along `dir` has met.
+    fn arrive(&mut self, scene: &Scene, ray: &Ray, hit: &Hit) {
+        match scene.media.side(hit).boundary {
+            Some(boundary) => {
+                self.around = boundary;
+                self.ng = scene.surfaces.point(ray, hit, 0.0).ng;
+            }
+            None => self.stay(self.medium(ray.dir)),
+        }
+    }
+}
+
+/// A shadow ray's medium, and numbers for its way.
+#[derive(Clone, Copy)]
+pub(super) struct ShadowMedium {
+    medium: MediumId,
+    sampler: PathSampler,
+}
+
+/// How a path went until it met a surface, collided or left the scene.
+struct Way {
+    /// Its last segment.
+    ray: Ray,
+    hit: Hit,
+    /// Distance to the begin of that.
+    before: f32,
+    factor: Rgb,
+    /// Distance of a collision on it, and the medium.
+    collision: Option<(f32, MediumId)>,
+    /// Rays that it took beyond the first.
+    rays: u64,
+}
+
+/// Follows a ray through media and index-matched surfaces.
+fn follow(
+    scene: &Scene,
+    (ray, hit): (&Ray, &Hit),
+    at: &mut Whereabouts,
+    u: &mut impl FnMut() -> f32,
+) -> Way {
+    let media = &scene.media;
+    let mut way = Way {
+        ray: *ray,
+        hit: *hit,
+        before: 0.0,
+        factor: Rgb::ONE,
+        collision: None,
+        rays: 0,
+    };
+    for _ in 0..MOST_PASSED {
+        let id = at.medium(way.ray.dir);
+        if let Some(medium) = media.list().get(id) {
+            let segment = Segment {
+                origin: way.ray.org,
+                direction: way.ray.dir,
+                length: length(&way.ray, &way.hit),
+            };
+            let flight = medium.sample(&segment, &mut at.spectrum, u);
+            way.factor *= flight.factor;
+            if let Some(distance) = flight.collision {
+                way.collision = Some((distance, id));
+                at.stay(id);
+                return way;
+            }
+        }
+        if !way.hit.is_some() || !media.side(&way.hit).index_matched {
+            return way;
+        }
+        at.arrive(scene, &way.ray, &way.hit);
+        let point = scene.surfaces.point(&way.ray, &way.hit, 0.0);
+        let mut next = point.spawn_ray(way.ray.dir);
+        next.tmax = way.ray.tmax - way.hit.t;
+        way.before += way.hit.t;
+        way.ray = next;
+        way.hit = scene.rays.intersect(&next);
+        way.rays += 1;
+    }
+    way.factor = Rgb::ZERO;
+    way
+}
+
+/// Where the light of shadow rays goes.
+pub(super) struct Shadows<'w> {
+    pub rays: &'w mut Vec<Ray>,
+    pub offers: &'w mut Vec<ShadowRay>,
+    pub media: &'w mut Vec<ShadowMedium>,
+}
+
+/// Lets every path of a wavefront go to its next vertex and scatter there; returns the number of
+/// rays.
+#[inline(never)]
+pub(super) fn advance<'s, S: Scatter<'s>>(
+    wavefront: &mut Wavefront<S::Path>,
+    context: &PathContext<'s>,
+    how: &mut S,
+    (radiances, first_hits): (&mut [Rgb], &mut Vec<FirstHit>),
+    (whereabouts, shadows): (&mut Vec<Whereabouts>, &mut Shadows),
+    observer: &mut impl PathObserver,
+) -> u64 {
+    let scene = context.scene;
+    let mut passed = 0;
+    let rays = wavefront.advance(scene, |path, ray, hit| {
+        let accumulator = (*path).as_ref().accumulator as usize;
+        let mut at = whereabouts[accumulator];
+        let base = path.as_mut();
+        let mut numbers = base.sampler.next4().into_iter();
+        let mut more = base.sampler.fork(FLIGHT);
+        let mut further = [0.0; 4].into_iter().take(0);
+        let mut u = || {
+            let number = numbers.next().or_else(|| further.next());
+            number.unwrap_or_else(|| {
+                further = more.next4().into_iter().take(4);
+                further.next().unwrap_or(0.5)
+            })
+        };
+        let way = follow(scene, (ray, hit), &mut at, &mut u);
+        base.throughput *= way.factor;
+        passed += way.rays;
+        let radiance = &mut radiances[accumulator];
+        let result = match way.collision {
+            Some(collision) => {
+                let at = (&way, collision);
+                collide(context, at, how, path, radiance, first_hits, observer)
+            }
+            None => {
+                let met = Met {
+                    ray: &way.ray,
+                    hit: &way.hit,
+                    before: way.before,
+                };
+                if way.hit.is_some() {
+                    at.arrive(scene, &way.ray, &way.hit);
+                }
+                bounce(context, met, how, path, radiance, first_hits, observer)
+            }
+        };
+        whereabouts[accumulator] = at;
+        if let Some(accumulators) = how.accumulators() {
+            whereabouts.resize(accumulators, at);
+        }
+        if let Some((ray, shadow)) = result.shadow {
+            shadows.media.push(ShadowMedium {
+                medium: at.medium(ray.dir),
+                sampler: (*path).as_ref().sampler.fork(SHADOW),
+            });
+            shadows.rays.push(ray);
+            shadows.offers.push(shadow);
+        }
+        result.ray
+    });
+    rays + passed
+}
+
+/// Handles a collision: the path scatters by the medium's phase function.
+fn collide<'s, S: Scatter<'s>>(
+    context: &PathContext<'s>,
+    (way, (distance, medium)): (&Way, (f32, MediumId)),
+    how: &mut S,
+    path: &mut S::Path,
+    radiance: &mut Rgb,
+    first_hits: &mut Vec<FirstHit>,
+    observer: &mut impl PathObserver,
+) -> BounceResult {
+    let PathContext {
+        scene, settings, ..
+    } = *context;
+    let Some(medium) = scene.media.list().get(medium) else {
+        return BounceResult::default();
+    };
+    let base = (*path).as_ref();
+    let (wo, depth) = (-way.ray.dir, base.depth);
+    let gone = way.before + distance;
+    observer.arrive(base.accumulator, *radiance, gone);
+    if depth + 1 >= settings.max_depth && depth > 0 {
+        return BounceResult::default();
+    }
+    let footprint = base.cone_width + base.cone_spread * gone;
+    let point = SurfacePoint::in_volume(way.ray.at(distance), wo, footprint);
+    let albedo = medium.extinction.albedo;
+    let mut bsdf = Bsdf::of_medium(medium.phase, albedo, wo);
+    if depth == 0 {
+        first_hits.push(features::first_collision(albedo, gone));
+        observer.sees(None);
+        if settings.max_depth < 2 {
+            return BounceResult::default();
+        }
+    } else if let Some(first) = how.seen_by(path, first_hits) {
+        features::add_collision(first, albedo, base);
+    }
+    let at = Arrived {
+        point: &point,
+        bsdf: &mut bsdf,
+        wo,
+        distance: gone,
+        radiance: *radiance,
+    };
+    how.scatter(context, at, path, observer)
+}
+
+/// Finds which shadow rays are blocked, and attenuates what the others bring. Returns the number of
+/// rays.
+pub(super) fn cast_shadows(scene: &Scene, shadows: &mut Shadows, blocked: &mut [bool]) -> u64 {
+    if !scene.media.has_index_matched {
+        scene.rays.occluded_batch(shadows.rays, blocked);
+    }
+    let mut traced = 0;
+    let each = shadows.rays.iter().zip(&mut *shadows.media);
+    for (((ray, start), offer), blocked) in each.zip(&mut *shadows.offers).zip(&mut *blocked) {
+        if *blocked {
+            continue;
+        }
+        let found = transmittance(scene, ray, start, &mut traced);
+        *blocked = found == Rgb::ZERO;
+        offer.offer.attenuate(found);
+    }
+    match scene.media.has_index_matched {
+        true => traced,
+        false => shadows.rays.len() as u64,
+    }
+}
+
+/// What comes through along a shadow ray; 0 where a surface blocks it.
+fn transmittance(scene: &Scene, ray: &Ray, start: &mut ShadowMedium, traced: &mut u64) -> Rgb {
+    let media = &scene.media;
+    let mut numbers = [0.0; 4].into_iter().take(0);
+    let sampler = &mut start.sampler;
+    let mut u = || {
+        numbers.next().unwrap_or_else(|| {
+            numbers = sampler.next4().into_iter().take(4);
+            numbers.next().unwrap_or(0.5)
+        })
+    };
+    let mut at = Whereabouts::inside(start.medium);
+    let (mut ray, mut found) = (*ray, Rgb::ONE);
+    for _ in 0..MOST_PASSED {
+        let hit = match media.has_index_matched {
+            true => {
+                *traced += 1;
+                scene.rays.intersect(&ray)
+            }
+            false => Hit::NONE,
+        };
+        if hit.is_some() && !media.side(&hit).index_matched {
+            return Rgb::ZERO;
+        }
+        if let Some(medium) = media.list().get(at.medium(ray.dir)) {
+            let segment = Segment {
+                origin: ray.org,
+                direction: ray.dir,
+                length: length(&ray, &hit),
+            };
+            found *= medium.transmittance(&segment, &mut u);
+        }
+        if !hit.is_some() || found == Rgb::ZERO {
+            return found;
+        }
+        at.arrive(scene, &ray, &hit);
+        let point = scene.surfaces.point(&ray, &hit, 0.0);
+        let mut next = point.spawn_ray(ray.dir);
+        next.tmax = ray.tmax - hit.t;
+        ray = next;
+    }
+    Rgb::ZERO
+}

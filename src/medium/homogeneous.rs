@@ -1,0 +1,57 @@
+//! A medium that is the same everywhere.
+
+use super::{Flight, Segment, Spectrum};
+use crate::math::Rgb;
+
+/// Extinction that is the same everywhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Homogeneous {
+    /// Extinction coefficient sigma_t, per unit length, at least 0.
+    pub extinction: Rgb,
+    /// Share of that which scatters, 0 to 1.
+    pub albedo: Rgb,
+}
+
+impl Homogeneous {
+    /// Transmittance exp(-sigma_t s) of a distance (Beer's law).
+    #[inline]
+    pub fn transmittance(&self, distance: f32) -> Rgb {
+        self.extinction.map(|sigma| match sigma > 0.0 {
+            true => (-sigma * distance).exp(),
+            // Of an infinite distance, too.
+            false => 1.0,
+        })
+    }
+
+    /// Draws a collision with density sigma_t exp(-sigma_t s) of one channel. Where nothing
+    /// scatters there is none, and the transmittance is exact.
+    #[inline]
+    pub fn sample(
+        &self,
+        segment: &Segment,
+        spectrum: &mut Spectrum,
+        u: &mut impl FnMut() -> f32,
+    ) -> Flight {
+        if self.albedo == Rgb::ZERO {
+            return Flight {
+                factor: self.transmittance(segment.length),
+                collision: None,
+            };
+        }
+        let channel = spectrum.channel(u());
+        let distance = -(-u()).ln_1p() / self.extinction[channel];
+        // A channel without extinction gives infinity, or no number: both come through.
+        if !(distance < segment.length) {
+            let passed = self.transmittance(segment.length);
+            return Flight {
+                factor: spectrum.update(passed, passed),
+                collision: None,
+            };
+        }
+        let density = self.extinction * self.transmittance(distance);
+        Flight {
+            factor: spectrum.update(density * self.albedo, density),
+            collision: Some(distance),
+        }
+    }
+}

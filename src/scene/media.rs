@@ -1,0 +1,76 @@
+//! The media of a scene, and the surfaces between them.
+
+use super::description::Shape;
+use crate::accel::{Hit, Ray};
+use crate::bsdf::Materials;
+use crate::medium::{Boundary, Media, MediumId};
+
+/// What a shape does to a ray's medium.
+#[derive(Clone, Copy, Debug)]
+pub struct Side {
+    /// The media on its sides; `None` where it divides nothing.
+    pub boundary: Option<Boundary>,
+    /// Light goes straight through, and the surface does nothing else.
+    pub index_matched: bool,
+}
+
+/// Media, and which shapes bound them.
+#[derive(Debug)]
+pub struct SceneMedia {
+    media: Media,
+    /// By [`Hit::shape`].
+    sides: Vec<Side>,
+    /// Where the camera is.
+    pub camera: MediumId,
+    /// Whether any surface is index-matched.
+    pub has_index_matched: bool,
+}
+
+impl SceneMedia {
+    /// Of a description's shapes. Where there is no medium nothing is kept.
+    pub(super) fn new(
+        media: Media,
+        camera: MediumId,
+        shapes: &[Shape],
+        materials: &Materials,
+    ) -> Self {
+        let side = |shape: &Shape| Side {
+            boundary: shape.boundary,
+            index_matched: shape.emitter.is_none() && materials.is_null(shape.material),
+        };
+        let sides: Vec<Side> = match media.is_empty() {
+            true => Vec::new(),
+            false => shapes.iter().map(side).collect(),
+        };
+        Self {
+            has_index_matched: sides.iter().any(|side| side.index_matched),
+            media,
+            sides,
+            camera,
+        }
+    }
+
+    /// Whether there is no medium: then rays go from surface to surface.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.media.is_empty()
+    }
+
+    /// The media, by number.
+    #[inline]
+    pub fn list(&self) -> &Media {
+        &self.media
+    }
+
+    /// What the surface that was met does to the medium.
+    #[inline]
+    pub fn side(&self, hit: &Hit) -> Side {
+        self.sides[hit.shape as usize]
+    }
+}
+
+/// The part of a ray that a hit ends, or its own end.
+#[inline]
+pub fn length(ray: &Ray, hit: &Hit) -> f32 {
+    if hit.is_some() { hit.t } else { ray.tmax }
+}
