@@ -10,10 +10,7 @@ use crate::medium::PhaseFunction;
 
 /// What a collision does.
 pub(super) const FLAGS: LobeFlags = LobeFlags(
-    LobeFlags::SMOOTH.0
-        | LobeFlags::REFLECTION.0
-        | LobeFlags::TRANSMISSION.0
-        | LobeFlags::VOLUME.0,
+    LobeFlags::SMOOTH.0 | LobeFlags::REFLECTION.0 | LobeFlags::TRANSMISSION.0 | LobeFlags::VOLUME.0,
 );
 
 /// A collision of a path that comes from local +z.

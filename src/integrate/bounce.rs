@@ -3,6 +3,7 @@
 use super::context::PathContext;
 use super::emission::{emitted, from_environment};
 use super::features;
+use super::media::Whereabouts;
 use super::next_event::ShadowRay;
 use super::observer::PathObserver;
 use super::path::{FirstHit, Path};
@@ -27,6 +28,8 @@ pub(super) struct Met<'a> {
     pub hit: &'a Hit,
     /// Distance that the path went before this ray, through index-matched surfaces.
     pub before: f32,
+    /// The media around it, in scenes that have any.
+    pub media: Option<&'a Whereabouts>,
 }
 
 /// A point where a path scatters, and the radiance that its sample has come to so far.
@@ -38,6 +41,8 @@ pub(super) struct Arrived<'a, 's> {
     /// Distance from there.
     pub distance: f32,
     pub radiance: Rgb,
+    /// The media around it, in scenes that have any.
+    pub media: Option<&'a Whereabouts>,
 }
 
 /// A way to trace paths: plain or guided.
@@ -85,7 +90,12 @@ pub(super) trait Scatter<'s> {
 #[inline(always)]
 pub(super) fn bounce<'s, S: Scatter<'s>>(
     context: &PathContext<'s>,
-    Met { ray, hit, before }: Met,
+    Met {
+        ray,
+        hit,
+        before,
+        media,
+    }: Met,
     how: &mut S,
     path: &mut S::Path,
     radiance: &mut Rgb,
@@ -142,6 +152,7 @@ pub(super) fn bounce<'s, S: Scatter<'s>>(
         wo,
         distance,
         radiance: *radiance,
+        media,
     };
     how.scatter(context, at, path, observer)
 }

@@ -98,6 +98,7 @@ fn scatter<'s>(
         wo,
         distance,
         mut radiance,
+        media,
     } = at;
     let GuidedOutput {
         split_paths,
@@ -119,6 +120,7 @@ fn scatter<'s>(
         bsdf,
         wo,
         guided: guided.as_ref(),
+        media,
         light_choice: LightChoice::NONE,
     };
     let [u0, u1, u2, u_lobe] = path.base.sampler.next4();

@@ -32,7 +32,7 @@ const SHADOW: u32 = 0x7368_6164;
 
 /// Where a path is.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Whereabouts {
+pub(in crate::integrate) struct Whereabouts {
     /// The media around the surface that the path has left.
     around: Boundary,
     /// Its geometric normal.
@@ -62,6 +62,28 @@ impl Whereabouts {
     /// On or in a medium without a boundary.
     fn stay(&mut self, medium: MediumId) {
         self.around = Self::inside(medium).around;
+    }
+
+    /// What comes through along a ray to what it meets there, without index-matched surfaces
+    /// between; and goes on from there. Exact where media are homogeneous.
+    pub fn pass(
+        &mut self,
+        scene: &Scene,
+        ray: &Ray,
+        hit: &Hit,
+        u: &mut impl FnMut() -> f32,
+    ) -> Rgb {
+        let medium = scene.media.list().get(self.medium(ray.dir));
+        let segment = Segment {
+            origin: ray.org,
+            direction: ray.dir,
+            length: length(ray, hit),
+        };
+        let passed = medium.map_or(Rgb::ONE, |medium| medium.transmittance(&segment, u));
+        if hit.is_some() {
+            self.arrive(scene, ray, hit);
+        }
+        passed
     }
 
     /// At a surface that a ray along `dir` has met.
@@ -185,18 +207,19 @@ pub(super) fn advance<'s, S: Scatter<'s>>(
         let radiance = &mut radiances[accumulator];
         let result = match way.collision {
             Some(collision) => {
-                let at = (&way, collision);
-                collide(context, at, how, path, radiance, first_hits, observer)
+                let place = (&way, collision, &at);
+                collide(context, place, how, path, radiance, first_hits, observer)
             }
             None => {
+                if way.hit.is_some() {
+                    at.arrive(scene, &way.ray, &way.hit);
+                }
                 let met = Met {
                     ray: &way.ray,
                     hit: &way.hit,
                     before: way.before,
+                    media: Some(&at),
                 };
-                if way.hit.is_some() {
-                    at.arrive(scene, &way.ray, &way.hit);
-                }
                 bounce(context, met, how, path, radiance, first_hits, observer)
             }
         };
@@ -220,7 +243,7 @@ pub(super) fn advance<'s, S: Scatter<'s>>(
 /// Handles a collision: the path scatters by the medium's phase function.
 fn collide<'s, S: Scatter<'s>>(
     context: &PathContext<'s>,
-    (way, (distance, medium)): (&Way, (f32, MediumId)),
+    (way, (distance, medium), whereabouts): (&Way, (f32, MediumId), &Whereabouts),
     how: &mut S,
     path: &mut S::Path,
     radiance: &mut Rgb,
@@ -259,6 +282,7 @@ fn collide<'s, S: Scatter<'s>>(
         wo,
         distance: gone,
         radiance: *radiance,
+        media: Some(whereabouts),
     };
     how.scatter(context, at, path, observer)
 }

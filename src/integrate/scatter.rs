@@ -52,6 +52,7 @@ impl<'s> Scatter<'s> for Plain {
             bsdf: at.bsdf,
             wo: at.wo,
             guided: None,
+            media: at.media,
             light_choice: LightChoice::NONE,
         };
         let arrival = Arrival {

@@ -1,6 +1,7 @@
 //! What is known at one vertex of a path.
 
 use super::guiding::GuidedVertex;
+use super::media::Whereabouts;
 use crate::bsdf::Bsdf;
 use crate::guide::LightChoice;
 use crate::math::Vec3;
@@ -14,6 +15,8 @@ pub(super) struct Vertex<'v, 's> {
     pub wo: Vec3,
     /// The field here, if one guides.
     pub guided: Option<&'v GuidedVertex<'s>>,
+    /// The media around it, in scenes that have any.
+    pub media: Option<&'v Whereabouts>,
     /// Out of which clusters the light was sampled.
     pub light_choice: LightChoice,
 }

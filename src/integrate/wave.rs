@@ -326,6 +326,7 @@ fn advance<'s, S: Scatter<'s>>(
             ray,
             hit,
             before: 0.0,
+            media: None,
         };
         let result = bounce(context, met, how, path, radiance, first_hits, observer);
         if let Some((ray, shadow)) = result.shadow {

@@ -1,6 +1,6 @@
 use super::*;
-use crate::math::rng::Pcg32;
 use crate::math::Vec2;
+use crate::math::rng::Pcg32;
 
 fn phases() -> Vec<PhaseFunction> {
     let hg = |g| PhaseFunction::from(PhaseLobe::henyey_greenstein(g));
@@ -120,7 +120,10 @@ fn check([sum, squares]: [f64; 2], samples: u32, expected: f64, what: &str) {
     let mean = sum / n;
     let error = ((squares / n - mean * mean) / n).sqrt();
     assert!(error < 0.01 * expected, "{what}: {error} of {expected}");
-    assert!((mean - expected).abs() < 4.0 * error, "{what}: {mean}, not {expected}");
+    assert!(
+        (mean - expected).abs() < 4.0 * error,
+        "{what}: {mean}, not {expected}"
+    );
 }
 
 #[test]
@@ -138,7 +141,11 @@ fn extremes_neither_hang_nor_lose_light() {
     let mut rng = Pcg32::new(5, 2);
     for depth in [1e-8, 1.0, 1e6] {
         for length in [1e-6, 1.0, 1e6, f32::INFINITY] {
-            let density = if length.is_finite() { depth / length } else { depth };
+            let density = if length.is_finite() {
+                depth / length
+            } else {
+                depth
+            };
             let fog = medium(Rgb::new(density, 0.0, density), Rgb::ONE);
             let mut total = Rgb::ZERO;
             for _ in 0..1000 {

@@ -17,6 +17,7 @@ use twintree::integrate::training::LearnSettings;
 use twintree::integrate::{GuidedSettings, PathSettings};
 use twintree::light::Emitter;
 use twintree::math::{Affine3A, DAffine3, DVec3, Rgb, Vec3};
+use twintree::medium::{Media, VACUUM};
 use twintree::photon::PhotonSettings;
 use twintree::photon::schedule::Budget;
 use twintree::scene::description::{RenderDescription, SamplerKind};
@@ -51,6 +52,8 @@ impl SceneMaker {
         };
         Self {
             description: Description {
+                media: Media::default(),
+                camera_medium: VACUUM,
                 shapes: Vec::new(),
                 groups: 0,
                 instances: Vec::new(),
@@ -107,6 +110,7 @@ impl SceneMaker {
             (self.description.emitters.len() - 1) as u32
         });
         self.description.shapes.push(Shape {
+            boundary: None,
             name: format!("shape {shape}"),
             geometry,
             material,

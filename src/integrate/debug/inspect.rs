@@ -217,6 +217,7 @@ fn step<'s>(
             ray,
             hit,
             before: 0.0,
+            media: None,
         },
         &mut output,
         path,

@@ -60,8 +60,9 @@ fn photons_for(budget: Budget) -> u64 {
 /// The chains that bring light into a view's scene from where it is small and bright; `None` if
 /// there are none, or the view's settings rule them out. The `budget` is that of the render.
 pub fn find_chains(view: &View, budget: Budget) -> Option<SpecularChains> {
-    // What media take on the way is not known there.
-    let wanted = view.settings.guided.manifold && view.scene.media.is_empty();
+    // Paths pass index-matched surfaces without counting them, and photons do not.
+    let matched = view.scene.media.has_index_matched;
+    let wanted = view.settings.guided.manifold && !matched;
     wanted.then(|| find(view.scene, view.settings.seed, budget))?
 }
 

@@ -142,15 +142,15 @@ fn pass(scene: &Scene, arrived: Arrived, hit: &Hit, kind: u32, strict: bool) -> 
     })
 }
 
-/// Follows a chain along a ray.
+/// Follows a chain along a ray; `seen` is told each ray and what it met.
 pub fn follow(
     scene: &Scene,
     ray: Ray,
-    chain: SpecularChain,
-    cone: Cone,
+    (chain, cone): (SpecularChain, Cone),
     strict: bool,
+    seen: &mut impl FnMut(&Ray, &Hit),
 ) -> Option<Arrived> {
-    walk(scene, ray, chain, (cone, None), strict)
+    walk(scene, ray, chain, (cone, None), strict, seen)
 }
 
 /// The same, with the neighbours of the ray.
@@ -160,7 +160,8 @@ pub fn follow_differential(
     pencil: RayDifferential,
     chain: SpecularChain,
 ) -> Option<Arrived> {
-    walk(scene, ray, chain, (Cone::NONE, Some(pencil)), false)
+    let with = (Cone::NONE, Some(pencil));
+    walk(scene, ray, chain, with, false, &mut |_, _| {})
 }
 
 fn walk(
@@ -169,6 +170,7 @@ fn walk(
     chain: SpecularChain,
     (cone, pencil): (Cone, Option<RayDifferential>),
     strict: bool,
+    seen: &mut impl FnMut(&Ray, &Hit),
 ) -> Option<Arrived> {
     let mut arrived = Arrived {
         ray,
@@ -179,6 +181,7 @@ fn walk(
     let mut kinds = chain.0;
     while kinds != 0 {
         let hit = scene.first_hit(&arrived.ray);
+        seen(&arrived.ray, &hit);
         arrived = pass(scene, arrived, &hit, kinds & 3, strict)?;
         kinds >>= 2;
     }

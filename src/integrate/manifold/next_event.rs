@@ -56,8 +56,10 @@ pub(in crate::integrate) fn sample_manifold(
     if numbers.next4()[0] >= probability {
         return None;
     }
+    let [a, b, c, _] = numbers.next4();
     let request = Request {
         context,
+        numbers,
         vertex,
         receiver: &receiver,
         probability,
@@ -67,6 +69,5 @@ pub(in crate::integrate) fn sample_manifold(
             spread: path.cone_spread.max(vertex.bsdf.roughness() * ROUGH_SPREAD),
         },
     };
-    let [a, b, c, _] = numbers.next4();
     Some(manifold.chains().sample(&request, [a, b, c]))
 }

@@ -4,13 +4,15 @@ use super::chains::{SpecularChains, owner, total};
 use super::follow::{Arrived, Cone, follow};
 use super::newton::solve;
 use super::receiver::Receiver;
+use crate::accel::{Hit, Ray};
 use crate::bsdf::Transport;
 use crate::integrate::context::PathContext;
+use crate::integrate::media::Whereabouts;
 use crate::integrate::vertex::Vertex;
 use crate::light::{CausticEmitter, LightSource, Shining};
 use crate::math::frame::normals_disagree;
 use crate::math::mis::power_heuristic;
-use crate::math::{Rgb, Vec2};
+use crate::math::{PathSampler, Rgb, Vec2};
 use crate::scene::Scene;
 
 /// What is to be sampled.
@@ -25,6 +27,8 @@ pub(in crate::integrate) struct Request<'v, 's> {
     pub most: u32,
     /// What rays stand for that leave the vertex.
     pub cone: Cone,
+    /// Numbers for what media let through.
+    pub numbers: PathSampler,
 }
 
 /// A light that was found.
@@ -106,9 +110,13 @@ impl SpecularChains {
             return None;
         }
         *rays += guess.chain.len() + 1;
-        let arrived = follow(scene, receiver.ray(dir), guess.chain, request.cone, strict)?;
-        let (light, from) = shining(scene, caustic_emitter, &arrived)?;
-        let radiance = f * (arrived.weight * light);
+        let chain = (guess.chain, request.cone);
+        let mut passage = Passage::new(request);
+        let mut seen = |ray: &Ray, hit: &Hit| passage.pass(scene, ray, hit);
+        let arrived = follow(scene, receiver.ray(dir), chain, strict, &mut seen)?;
+        let (light, from, hit) = shining(scene, caustic_emitter, &arrived)?;
+        passage.pass(scene, &arrived.ray, &hit);
+        let radiance = f * (arrived.weight * passage.transmittance * light);
         Some(FoundLight {
             radiance,
             pdf,
@@ -119,19 +127,44 @@ impl SpecularChains {
     }
 }
 
-/// What a light sends along the end of a chain, if the chain ends there, and what that light is.
+/// What the media along a chain let through.
+struct Passage {
+    at: Option<Whereabouts>,
+    transmittance: Rgb,
+    sampler: PathSampler,
+}
+
+impl Passage {
+    fn new(request: &Request) -> Self {
+        Self {
+            at: request.vertex.media.copied(),
+            transmittance: Rgb::ONE,
+            sampler: request.numbers,
+        }
+    }
+
+    fn pass(&mut self, scene: &Scene, ray: &Ray, hit: &Hit) {
+        if let Some(at) = &mut self.at {
+            let sampler = &mut self.sampler;
+            self.transmittance *= at.pass(scene, ray, hit, &mut || sampler.next4()[0]);
+        }
+    }
+}
+
+/// What a light sends along the end of a chain, if the chain ends there, what that light is, and
+/// what the chain's last ray has met.
 fn shining(
     scene: &Scene,
     caustic_emitter: &CausticEmitter,
     arrived: &Arrived,
-) -> Option<(Rgb, Shining)> {
+) -> Option<(Rgb, Shining, Hit)> {
     let Arrived { ray, mut cone, .. } = *arrived;
     if let CausticEmitter::Sun { .. } = caustic_emitter {
         let sky = Shining::Sky(ray.dir);
         if !caustic_emitter.is(sky) {
             return None;
         }
-        let light = || (scene.lights.environment(ray.dir), sky);
+        let light = || (scene.lights.environment(ray.dir), sky, Hit::NONE);
         return (!scene.is_blocked(&ray)).then(light);
     }
     let hit = scene.first_hit(&ray);
@@ -142,5 +175,5 @@ fn shining(
         return None;
     }
     let point = scene.surfaces.point(&ray, &hit, cone.width);
-    Some((scene.emitted(surface, &point, -ray.dir), shape))
+    Some((scene.emitted(surface, &point, -ray.dir), shape, hit))
 }

@@ -232,7 +232,8 @@ fn a_pencil_is_what_neighbours_trace() {
     let axes = [aside, dir.cross(aside)];
     let end = |org: Vec3, dir: Vec3| {
         let ray = Ray::new(org, dir.normalize());
-        let end = follow(&scene, ray, chain, Cone::NONE, false).expect("the chain leads on");
+        let end = follow(&scene, ray, (chain, Cone::NONE), false, &mut |_, _| {})
+            .expect("the chain leads on");
         (end.ray.org, end.ray.dir)
     };
     for (name, pencil) in [

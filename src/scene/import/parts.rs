@@ -5,6 +5,7 @@ use crate::accel::Bounds;
 use crate::bsdf::Materials;
 use crate::camera::CameraDescription;
 use crate::light::Emitter;
+use crate::medium::Media;
 use crate::math::{DAffine3, Vec3};
 use crate::scene::{Geometry, Shape};
 use std::collections::{BTreeMap, HashSet};
@@ -31,6 +32,8 @@ pub struct Parts {
     pub instances: Vec<(u32, DAffine3)>,
     /// Materials.
     pub materials: Materials,
+    /// Media inside of shapes.
+    pub media: Media,
     /// Emitters, those of shapes included.
     pub emitters: Vec<Emitter>,
     /// What they are called, by number, those that have a name.

@@ -22,7 +22,7 @@ use crate::film::filter::Filter;
 use crate::film::{FilmDescription, FilmKind};
 use crate::light::EnvironmentImage;
 use crate::math::{Affine3A, DVec3, Vec3};
-use crate::medium::{Media, VACUUM};
+use crate::medium::VACUUM;
 use crate::scene::description::RenderDescription;
 use crate::scene::{Description, Geometry, Shape};
 use std::sync::Arc;
@@ -84,7 +84,7 @@ impl Studio {
         self.add_ground(&mut parts, bounds);
         self.add_light(&mut parts, &shot.camera, bounds);
         Ok(Description {
-            media: Media::default(),
+            media: parts.media,
             camera_medium: VACUUM,
             shapes: parts.shapes,
             groups: parts.groups,

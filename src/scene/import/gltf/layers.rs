@@ -5,6 +5,7 @@ use super::extension::Extension;
 use super::materials::{Core, Metal};
 use super::schema;
 use super::textures::{Use, uv_set};
+use super::volume;
 use crate::bsdf::material::{
     Distribution, MetallicRoughness, Principled, PrincipledThin, Roughness, white,
 };
@@ -87,9 +88,7 @@ impl Importer<'_> {
         };
         let info = extension.texture("transmissionTexture");
         let share = self.textured(info.as_ref(), Use::Channel(0), Rgb::splat(factor))?;
-        if let Some(tint) = self.volume(material) {
-            let color = core.color.clone().scaled(tint);
-            let core = Core { color, ..core };
+        if volume::thickness(material) > 0.0 {
             let body = principled(&core, share, core.ior, sheen);
             return Ok((self.push(body), true));
         }
@@ -131,29 +130,6 @@ impl Importer<'_> {
             first: base,
             second: metal,
         })
-    }
-
-    /// What is left of light on its way through the volume that the surface encloses; `None` for
-    /// thin surfaces. The way is taken to be the file's thickness, whatever the ray's own (Beer and
-    /// Lambert: the colour to the power of the thickness over the distance); half of it, by the
-    /// square root, is paid at each crossing of the surface.
-    fn volume(&mut self, material: &schema::Material) -> Option<Rgb> {
-        let volume = Extension::of(&material.extensions, "KHR_materials_volume")?;
-        let thickness = volume.number("thicknessFactor", 0.0);
-        if thickness <= 0.0 {
-            return None;
-        }
-        let color = volume.color("attenuationColor", Rgb::ONE);
-        let distance = volume.number("attenuationDistance", f32::INFINITY);
-        if color == Rgb::ONE || !(distance > 0.0 && distance.is_finite()) {
-            return Some(Rgb::ONE);
-        }
-        self.warn("KHR_materials_volume: light is absorbed as over the thickness of the file, not as over each ray's own way");
-        if volume.texture("thicknessTexture").is_some() {
-            self.warn("\"thicknessTexture\" of KHR_materials_volume is left out");
-        }
-        let power = thickness / distance;
-        Some(color.clamp(Rgb::ZERO, Rgb::ONE).powf(power))
     }
 
     /// Strength of the sheen.

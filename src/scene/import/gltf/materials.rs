@@ -66,7 +66,7 @@ pub(super) struct Metal {
 }
 
 /// How messages call a material.
-fn name_of(material: &schema::Material, index: Option<usize>) -> String {
+pub(super) fn name_of(material: &schema::Material, index: Option<usize>) -> String {
     match (&material.name, index) {
         (Some(name), _) => format!("material \"{name}\""),
         (None, Some(index)) => format!("material {index}"),

@@ -28,11 +28,13 @@ mod skin;
 #[cfg(test)]
 mod tests;
 mod textures;
+mod volume;
 
 use super::parts::Parts;
 use super::{ImportError, ImportOptions};
 use crate::bsdf::MaterialId;
 use crate::math::DAffine3;
+use crate::medium::MediumId;
 use accessor::Accessors;
 use container::Container;
 use materials::{Finish, Variant};
@@ -69,6 +71,7 @@ pub fn load(
         parts,
         images: Images::default(),
         finishes: HashMap::new(),
+        media: HashMap::new(),
     };
     importer.check_extensions()?;
     importer.tell_of_animations();
@@ -95,6 +98,8 @@ struct Importer<'a> {
     parts: &'a mut Parts,
     images: Images,
     finishes: HashMap<Variant, Finish>,
+    /// Media by number of the material that encloses them.
+    media: HashMap<usize, MediumId>,
 }
 
 impl<'a> Importer<'a> {

@@ -246,6 +246,7 @@ impl<'a> Importer<'a> {
         let index = plan.job.primitive.material;
         let material = index.and_then(|m| self.document().materials.get(m));
         let mapped = material.is_some_and(|m| m.normal_texture.is_some());
+        let boundary = self.boundary(index);
         let parts = match mapped {
             true => by_side(loaded.mesh),
             false => vec![(false, loaded.mesh)],
@@ -274,7 +275,7 @@ impl<'a> Importer<'a> {
                 emitter,
                 flip_normals: false,
                 group: plan.group,
-                boundary: None,
+                boundary,
             });
         }
         Ok(())

@@ -52,7 +52,10 @@ impl<'a> Importer<'a> {
     fn make_medium(&mut self, index: usize) -> Result<Medium, ImportError> {
         let p = Params::new(self.document, index);
         if p.plugin() != "homogeneous" {
-            let message = format!("medium \"{}\" is not read, only \"homogeneous\"", p.plugin());
+            let message = format!(
+                "medium \"{}\" is not read, only \"homogeneous\"",
+                p.plugin()
+            );
             return Err(p.error(message));
         }
         // How to sample is the renderer's decision, and what is the same everywhere has no place.
@@ -75,14 +78,21 @@ impl<'a> Importer<'a> {
     fn coefficients(&mut self, p: &Params<'a>) -> Result<Homogeneous, ImportError> {
         let scale = p.float_in("scale", 1.0, 0.0..=f64::from(f32::MAX)) as f32;
         if p.has("material") {
-            let message = "the presets of \"material\" are not read: give \"sigma_t\" and \"albedo\"";
+            let message =
+                "the presets of \"material\" are not read: give \"sigma_t\" and \"albedo\"";
             return Err(p.error(message));
         }
         if p.has("sigma_a") || p.has("sigma_s") {
             let absorbed = self.coefficient(p, "sigma_a", 0.0)?;
             let scattered = self.coefficient(p, "sigma_s", 0.0)?;
             let sum = absorbed + scattered;
-            let share = |c: usize| if sum[c] > 0.0 { scattered[c] / sum[c] } else { 0.0 };
+            let share = |c: usize| {
+                if sum[c] > 0.0 {
+                    scattered[c] / sum[c]
+                } else {
+                    0.0
+                }
+            };
             return Ok(Homogeneous {
                 extinction: (sum * scale).min(Rgb::MAX),
                 albedo: Rgb::new(share(0), share(1), share(2)),
@@ -92,7 +102,9 @@ impl<'a> Importer<'a> {
         let albedo = self.volume(p, "albedo", Role::Reflectance)?;
         Ok(Homogeneous {
             extinction: extinction.min(Rgb::MAX),
-            albedo: albedo.unwrap_or(Rgb::splat(0.75)).clamp(Rgb::ZERO, Rgb::ONE),
+            albedo: albedo
+                .unwrap_or(Rgb::splat(0.75))
+                .clamp(Rgb::ZERO, Rgb::ONE),
         })
     }
 
@@ -161,8 +173,10 @@ impl<'a> Importer<'a> {
                 let [(_, first), (_, second)] = p.children("phase")[..] else {
                     return Err(p.error("a blend is of two phase functions"));
                 };
-                let (first, second) =
-                    (self.phase(first, nested + 1), self.phase(second, nested + 1));
+                let (first, second) = (
+                    self.phase(first, nested + 1),
+                    self.phase(second, nested + 1),
+                );
                 let blend = PhaseFunction::blend(&first, &second, weight);
                 blend.map_err(|why| p.error(why))?
             }

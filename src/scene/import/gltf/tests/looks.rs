@@ -4,6 +4,7 @@ use super::*;
 use crate::bsdf::MaterialId;
 use crate::bsdf::material::{MetallicRoughness, Principled, PrincipledThin};
 use crate::image::{Image, WriteOptions};
+use crate::medium::VACUUM;
 use crate::texture::{Filter, Wrap};
 
 /// The parts of a triangle with that material; all three corners have texture coordinates.
@@ -153,21 +154,20 @@ fn transmission_is_thin_unless_there_is_a_volume() {
     let p = principled(&parts);
     assert_eq!((value(&p.spec_trans), p.eta), (1.0, 1.4));
     assert_eq!(value(&p.base_color), 1.0);
-    // Twice the distance at which a quarter is left: a sixteenth over the thickness.
+    assert!(parts.media.is_empty() && parts.shapes[0].boundary.is_none());
+    // A quarter is left after a distance of 2: exp(-2 sigma).
     let volume = json!({
-        "thicknessFactor": 2, "attenuationDistance": 1, "attenuationColor": [0.25, 1, 1],
+        "thicknessFactor": 2, "attenuationDistance": 2, "attenuationColor": [0.25, 1, 1],
     });
     let parts = glass(Some(volume));
-    let tint = principled(&parts).base_color.constant().unwrap();
-    assert!(
-        (tint - Rgb::new(0.0625, 1.0, 1.0)).length() < 1e-6,
-        "{tint}"
-    );
-    assert!(
-        parts.warnings[0].contains("thickness"),
-        "{:?}",
-        parts.warnings
-    );
+    assert_eq!(value(&principled(&parts).base_color), 1.0);
+    let boundary = parts.shapes[0].boundary.unwrap();
+    assert_eq!(boundary.exterior, VACUUM);
+    let inside = parts.media.get(boundary.interior).unwrap().extinction;
+    assert_eq!(inside.albedo, Rgb::ZERO);
+    let expected = Rgb::new(2f32.ln(), 0.0, 0.0);
+    assert!((inside.extinction - expected).length() < 1e-6, "{inside:?}");
+    assert!(parts.warnings.is_empty(), "{:?}", parts.warnings);
 }
 
 #[test]
