@@ -68,6 +68,15 @@ def write_obj(name, mesh):
             out.write("f " + " ".join(corners) + "\n")
 
 
+def write_vol(name, size, density):
+    """Mitsuba's grid of one channel; `density` takes places in the unit cube."""
+    places = [[(i + 0.5) / n for i in range(n)] for n in size]
+    values = [density(x, y, z) for z in places[2] for y in places[1] for x in places[0]]
+    with open(path_of(name), "wb") as out:
+        out.write(b"VOL\3" + struct.pack("<5i6f", 1, *size, 1, 0, 0, 0, 1, 1, 1))
+        out.write(struct.pack("<%df" % len(values), *values))
+
+
 def write_png(name, width, height, pixel):
     """8 bit RGB; `pixel(x, y)` returns three numbers in [0, 1]."""
     rows = bytearray()
@@ -394,6 +403,21 @@ def materials():
     write_png("materials/weave.png", size, size, weave)
 
 
+def cloud():
+    """A heap of balls, flat below, with waves of three sizes on it."""
+    balls = [(0.3, 0.3, 0.5, 0.2), (0.5, 0.42, 0.45, 0.27), (0.7, 0.34, 0.55, 0.2), (0.45, 0.3, 0.7, 0.18),
+             (0.6, 0.28, 0.3, 0.17), (0.84, 0.26, 0.5, 0.12), (0.16, 0.26, 0.5, 0.12)]
+
+    def density(x, y, z):
+        depth = max(r - math.dist((x, 1.25 * y, z), (a, 1.25 * b, c)) for a, b, c, r in balls)
+        for k in (1, 2, 4):
+            wave = math.sin(17 * k * x + 3) * math.sin(15 * k * y + 5 * k) * math.sin(19 * k * z + 1)
+            depth += 0.05 / k * wave
+        return max(0.0, min(1.0, 9.0 * depth, 12.0 * (y - 0.12)))
+
+    write_vol("cloud/cloud.vol", (40, 28, 32), density)
+
+
 if __name__ == "__main__":
-    for scene in (cornell, door, pool, furnace, caustic, exact, materials):
+    for scene in (cornell, door, pool, furnace, caustic, exact, materials, cloud):
         scene()

@@ -9,8 +9,10 @@ use super::material::{InvalidNormals, Leaf};
 use super::model::{Lookup, Model};
 use super::perturb::{Perturbation, bumped_normal};
 use super::tree::{Mix, Node, NodeId, Tree};
+use super::volume::{self, Collision};
 use super::{Bsdf, LobeFlags, Material, MaterialId, Materials};
-use crate::math::{Frame, Vec2, Vec3, luminance};
+use crate::math::{Frame, Rgb, Vec2, Vec3, luminance};
+use crate::medium::PhaseFunction;
 use crate::texture::{SurfacePoint, Texture};
 
 impl Materials {
@@ -48,6 +50,21 @@ impl Materials {
         };
         resolver.add(id, &point.frame, point.frame.to_local(wo));
         tree.flags(tree.root())
+    }
+}
+
+impl Bsdf {
+    /// How a medium of this albedo scatters what comes from `wo`, a unit vector. The weight of a
+    /// sample leaves the albedo out: that is part of the collision.
+    pub fn of_medium(phase: PhaseFunction, albedo: Rgb, wo: Vec3) -> Self {
+        let mut tree = Tree::default();
+        tree.push(Node::Collision(Collision::new(phase, albedo)));
+        Self {
+            frame: Frame::new(wo),
+            ng: wo,
+            flags: volume::FLAGS,
+            form: Form::Tree(tree),
+        }
     }
 }
 

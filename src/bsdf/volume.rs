@@ -2,10 +2,8 @@
 //! a BSDF. There is no surface and no cosine; the frame's normal is the direction where the path
 //! came from.
 
-use super::diffuse_only::Form;
-use super::tree::{Node, Tree};
-use super::{Bsdf, BsdfSample, LobeFlags};
-use crate::math::{Frame, Rgb, Vec2, Vec3};
+use super::{BsdfSample, LobeFlags};
+use crate::math::{Rgb, Vec2, Vec3};
 use crate::medium::PhaseFunction;
 
 /// What a collision does.
@@ -21,6 +19,10 @@ pub(super) struct Collision {
 }
 
 impl Collision {
+    pub fn new(phase: PhaseFunction, albedo: Rgb) -> Self {
+        Self { phase, albedo }
+    }
+
     /// Phase function and density, which are the same.
     #[inline]
     pub fn eval_pdf(&self, wi: Vec3) -> (Rgb, f32) {
@@ -49,20 +51,5 @@ impl Collision {
     /// How wide it scatters.
     pub fn roughness(&self) -> f32 {
         self.phase.roughness()
-    }
-}
-
-impl Bsdf {
-    /// How a medium of this albedo scatters what comes from `wo`, a unit vector. The weight of a
-    /// sample leaves the albedo out: that is part of the collision.
-    pub fn of_medium(phase: PhaseFunction, albedo: Rgb, wo: Vec3) -> Self {
-        let mut tree = Tree::default();
-        tree.push(Node::Collision(Collision { phase, albedo }));
-        Self {
-            frame: Frame::new(wo),
-            ng: wo,
-            flags: FLAGS,
-            form: Form::Tree(tree),
-        }
     }
 }

@@ -3,10 +3,10 @@
 use super::context::PathContext;
 use super::emission::{emitted, from_environment};
 use super::features;
-use super::media::Whereabouts;
 use super::next_event::ShadowRay;
 use super::observer::PathObserver;
 use super::path::{FirstHit, Path};
+use super::whereabouts::Whereabouts;
 use crate::accel::{Hit, Ray};
 use crate::bsdf::Bsdf;
 use crate::light::{LightSource, Shining};

@@ -128,11 +128,12 @@ impl GuidedDeparture<'_, '_> {
         let by_field = guided.is_some() && settings.guided.roulette == Roulette::Field;
         // What the field expects comes by the smooth lobes.
         let expected = self.split.expected.filter(|_| lobe.is_none());
+        let most = roulette::most(&self.vertex);
         let survival = match expected {
             Some(expected) => roulette::by_field(path, expected),
             None if path.base.depth < settings.rr_depth => 1.0,
-            None if by_field => roulette::MAX_SURVIVAL,
-            None => roulette::by_throughput(&path.base, path.reference_throughput),
+            None if by_field => most,
+            None => roulette::by_throughput(&path.base, path.reference_throughput, most),
         };
         if u_roulette >= survival {
             return None;

@@ -14,10 +14,11 @@ use super::features;
 use super::next_event::ShadowRay;
 use super::observer::PathObserver;
 use super::path::FirstHit;
+use super::whereabouts::Whereabouts;
 use crate::accel::{Hit, Ray};
 use crate::bsdf::Bsdf;
-use crate::math::{PathSampler, Rgb, Vec3};
-use crate::medium::{Boundary, MediumId, Segment, Spectrum};
+use crate::math::{PathSampler, Rgb};
+use crate::medium::{MediumId, Segment};
 use crate::scene::Scene;
 use crate::scene::media::length;
 use crate::scene::wavefront::Wavefront;
@@ -29,74 +30,6 @@ const MOST_PASSED: u32 = 10_000;
 /// Numbers of the paths' sequences: beside those of the path itself.
 const FLIGHT: u32 = 0x666c_6967;
 const SHADOW: u32 = 0x7368_6164;
-
-/// Where a path is.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::integrate) struct Whereabouts {
-    /// The media around the surface that the path has left.
-    around: Boundary,
-    /// Its geometric normal.
-    ng: Vec3,
-    spectrum: Spectrum,
-}
-
-impl Whereabouts {
-    /// Of a path that begins inside a medium.
-    pub fn inside(medium: MediumId) -> Self {
-        Self {
-            around: Boundary {
-                interior: medium,
-                exterior: medium,
-            },
-            ng: Vec3::Z,
-            spectrum: Spectrum::default(),
-        }
-    }
-
-    /// The medium that a ray along `dir` is in.
-    #[inline]
-    fn medium(&self, dir: Vec3) -> MediumId {
-        self.around.beyond(self.ng, dir)
-    }
-
-    /// On or in a medium without a boundary.
-    fn stay(&mut self, medium: MediumId) {
-        self.around = Self::inside(medium).around;
-    }
-
-    /// What comes through along a ray to what it meets there, without index-matched surfaces
-    /// between; and goes on from there. Exact where media are homogeneous.
-    pub fn pass(
-        &mut self,
-        scene: &Scene,
-        ray: &Ray,
-        hit: &Hit,
-        u: &mut impl FnMut() -> f32,
-    ) -> Rgb {
-        let medium = scene.media.list().get(self.medium(ray.dir));
-        let segment = Segment {
-            origin: ray.org,
-            direction: ray.dir,
-            length: length(ray, hit),
-        };
-        let passed = medium.map_or(Rgb::ONE, |medium| medium.transmittance(&segment, u));
-        if hit.is_some() {
-            self.arrive(scene, ray, hit);
-        }
-        passed
-    }
-
-    /// At a surface that a ray along `dir` has met.
-    fn arrive(&mut self, scene: &Scene, ray: &Ray, hit: &Hit) {
-        match scene.media.side(hit).boundary {
-            Some(boundary) => {
-                self.around = boundary;
-                self.ng = scene.surfaces.point(ray, hit, 0.0).ng;
-            }
-            None => self.stay(self.medium(ray.dir)),
-        }
-    }
-}
 
 /// A shadow ray's medium, and numbers for its way.
 #[derive(Clone, Copy)]
@@ -143,7 +76,7 @@ fn follow(
                 direction: way.ray.dir,
                 length: length(&way.ray, &way.hit),
             };
-            let flight = medium.sample(&segment, &mut at.spectrum, u);
+            let flight = medium.extinction.sample(&segment, &mut at.spectrum, u);
             way.factor *= flight.factor;
             if let Some(distance) = flight.collision {
                 way.collision = Some((distance, id));
@@ -265,7 +198,7 @@ fn collide<'s, S: Scatter<'s>>(
     }
     let footprint = base.cone_width + base.cone_spread * gone;
     let point = SurfacePoint::in_volume(way.ray.at(distance), wo, footprint);
-    let albedo = medium.extinction.albedo;
+    let albedo = medium.extinction.albedo(point.p);
     let mut bsdf = Bsdf::of_medium(medium.phase, albedo, wo);
     if depth == 0 {
         first_hits.push(features::first_collision(albedo, gone));
@@ -339,7 +272,7 @@ fn transmittance(scene: &Scene, ray: &Ray, start: &mut ShadowMedium, traced: &mu
                 direction: ray.dir,
                 length: length(&ray, &hit),
             };
-            found *= medium.transmittance(&segment, &mut u);
+            found *= medium.extinction.transmittance(&segment, &mut u);
         }
         if !hit.is_some() || found == Rgb::ZERO {
             return found;

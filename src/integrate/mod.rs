@@ -74,6 +74,7 @@ mod tiles;
 pub mod training;
 mod vertex;
 pub mod wave;
+mod whereabouts;
 
 #[cfg(test)]
 mod tests;

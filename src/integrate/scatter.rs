@@ -100,7 +100,7 @@ fn sample_bsdf(
     path.eta *= sample.eta;
     let survival = match path.depth < settings.rr_depth {
         true => 1.0,
-        false => roulette::by_throughput(path, 1.0),
+        false => roulette::by_throughput(path, 1.0, roulette::most(vertex)),
     };
     if u_roulette >= survival {
         return None;

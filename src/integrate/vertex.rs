@@ -1,7 +1,7 @@
 //! What is known at one vertex of a path.
 
 use super::guiding::GuidedVertex;
-use super::media::Whereabouts;
+use super::whereabouts::Whereabouts;
 use crate::bsdf::Bsdf;
 use crate::guide::LightChoice;
 use crate::math::Vec3;

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`start`] | installing, five minutes with the program, all commands |
 //! | [`render`] | options of `render`, outputs, noise, `--quality`, exit codes |
+//! | [`media`] | fog, tinted water, cloudy glass |
 //! | [`layers`] | layers of an EXR beside the picture |
 //! | [`denoise`] | `--denoise` and `twintree denoise`, where the denoiser comes from, what it gains |
 //! | [`guiding`] | options of guiding, field files, what guiding gains |
@@ -28,6 +29,9 @@ pub mod guiding {
     #![doc = include_str!("guiding.md")]
 }
 
+pub mod media {
+    #![doc = include_str!("media.md")]
+}
 pub mod layers {
     #![doc = include_str!("layers.md")]
 }

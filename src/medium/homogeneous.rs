@@ -12,7 +12,20 @@ pub struct Homogeneous {
     pub albedo: Rgb,
 }
 
+/// The darkest colour that light can be left in: the logarithm of 0 is infinite.
+const DARKEST: f32 = 1e-6;
+
 impl Homogeneous {
+    /// What absorbs white light so that `color`, each channel 0 to 1, is left after a distance.
+    pub fn absorbing(color: Rgb, distance: f32) -> Self {
+        let color = color.clamp(Rgb::splat(DARKEST), Rgb::ONE);
+        Self {
+            // Not -0 for 1.
+            extinction: color.map(|c| (-c.ln() / distance).max(0.0)),
+            albedo: Rgb::ZERO,
+        }
+    }
+
     /// Transmittance exp(-sigma_t s) of a distance (Beer's law).
     #[inline]
     pub fn transmittance(&self, distance: f32) -> Rgb {
@@ -41,7 +54,8 @@ impl Homogeneous {
         let channel = spectrum.channel(u());
         let distance = -(-u()).ln_1p() / self.extinction[channel];
         // A channel without extinction gives infinity, or no number: both come through.
-        if !(distance < segment.length) {
+        let collides = distance < segment.length;
+        if !collides {
             let passed = self.transmittance(segment.length);
             return Flight {
                 factor: spectrum.update(passed, passed),

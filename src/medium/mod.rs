@@ -10,9 +10,12 @@
 //! Miller, Georgiev and Jarosz 2019, "A null-scattering path integral formulation of light
 //! transport", section 5).
 
+mod extinction;
+pub mod grids;
 mod homogeneous;
 pub mod phase;
 
+pub use extinction::Extinction;
 pub use homogeneous::Homogeneous;
 pub use phase::{PhaseFunction, PhaseLobe};
 
@@ -30,7 +33,7 @@ pub struct Medium {
     /// What its scene calls it, for messages.
     pub name: String,
     /// How it takes light out of a ray.
-    pub extinction: Homogeneous,
+    pub extinction: Extinction,
     /// How it scatters.
     pub phase: PhaseFunction,
 }
@@ -64,6 +67,12 @@ impl Boundary {
 }
 
 impl Media {
+    /// Adds one and returns its number.
+    pub fn push(&mut self, medium: Medium) -> MediumId {
+        self.list.push(medium);
+        self.list.len() as MediumId - 1
+    }
+
     /// The medium of that number; `None` for [`VACUUM`].
     #[inline]
     pub fn get(&self, id: MediumId) -> Option<&Medium> {
@@ -95,24 +104,6 @@ pub struct Flight {
     pub factor: Rgb,
     /// Distance of the collision; `None` where it came through.
     pub collision: Option<f32>,
-}
-
-impl Medium {
-    /// Draws a collision on the segment, or none. A medium that only absorbs has none: its
-    /// transmittance is exact.
-    pub fn sample(
-        &self,
-        segment: &Segment,
-        spectrum: &mut Spectrum,
-        u: &mut impl FnMut() -> f32,
-    ) -> Flight {
-        self.extinction.sample(segment, spectrum, u)
-    }
-
-    /// The share of light that comes through the segment; exact, or an unbiased estimate.
-    pub fn transmittance(&self, segment: &Segment, _u: &mut impl FnMut() -> f32) -> Rgb {
-        self.extinction.transmittance(segment.length)
-    }
 }
 
 /// How likely each channel's sampling would have been to make a path: relative, of mean 1.
@@ -147,8 +138,9 @@ impl Spectrum {
     pub fn update(&mut self, value: Rgb, density: Rgb) -> Rgb {
         let joint = self.0 * density;
         let mean = (joint.x + joint.y + joint.z) * (1.0 / 3.0);
-        // Also where it is not a number.
-        if !(mean > 0.0) {
+        // Not where it is no number.
+        let happens = mean > 0.0;
+        if !happens {
             return Rgb::ZERO;
         }
         self.0 = joint / mean;

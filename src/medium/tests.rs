@@ -60,7 +60,7 @@ fn a_blend_of_too_many_is_refused() {
 fn medium(extinction: Rgb, albedo: Rgb) -> Medium {
     Medium {
         name: "fog".into(),
-        extinction: Homogeneous { extinction, albedo },
+        extinction: Homogeneous { extinction, albedo }.into(),
         phase: PhaseFunction::isotropic(),
     }
 }
@@ -87,8 +87,8 @@ fn light_of_all_channels_comes_through() {
     for _ in 0..samples {
         let mut spectrum = Spectrum::default();
         let mut u = || rng.next_f32();
-        let first = fog.sample(&segment(0.4), &mut spectrum, &mut u);
-        let second = fog.sample(&segment(0.6), &mut spectrum, &mut u);
+        let first = fog.extinction.sample(&segment(0.4), &mut spectrum, &mut u);
+        let second = fog.extinction.sample(&segment(0.6), &mut spectrum, &mut u);
         for c in 0..3 {
             let (a, b) = (f64::from(first.factor[c]), f64::from(second.factor[c]));
             if first.collision.is_some() {
@@ -130,7 +130,9 @@ fn check([sum, squares]: [f64; 2], samples: u32, expected: f64, what: &str) {
 fn what_only_absorbs_is_exact() {
     let glass = medium(Rgb::new(0.0, 1.0, 1e6), Rgb::ZERO);
     let mut spectrum = Spectrum::default();
-    let flight = glass.sample(&segment(2.0), &mut spectrum, &mut || unreachable!());
+    let flight = glass
+        .extinction
+        .sample(&segment(2.0), &mut spectrum, &mut || unreachable!());
     assert_eq!(flight.collision, None);
     assert_eq!(flight.factor, Rgb::new(1.0, (-2.0f32).exp(), 0.0));
     assert_eq!(spectrum, Spectrum::default());
@@ -150,7 +152,9 @@ fn extremes_neither_hang_nor_lose_light() {
             let mut total = Rgb::ZERO;
             for _ in 0..1000 {
                 let mut spectrum = Spectrum::default();
-                let flight = fog.sample(&segment(length), &mut spectrum, &mut || rng.next_f32());
+                let flight = fog
+                    .extinction
+                    .sample(&segment(length), &mut spectrum, &mut || rng.next_f32());
                 assert!(flight.factor.is_finite() && flight.factor.min_element() >= 0.0);
                 total += flight.factor / 1000.0;
             }

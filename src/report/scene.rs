@@ -4,6 +4,8 @@ use super::left_out::LeftOut;
 use super::totals::{TextureTotals, geometry_bytes, meshes_of, triangles, triangles_placed};
 use super::{names, words};
 use crate::film::FilmKind;
+use crate::math::Rgb;
+use crate::medium::{Extinction, Homogeneous, Medium};
 use crate::scene::description::SamplerKind;
 use crate::scene::precautions::{Precaution, precautions};
 use crate::scene::{Description, Geometry};
@@ -37,6 +39,8 @@ pub struct SceneReport {
     pub lights: Counts,
     /// Materials by type, inner ones included.
     pub materials: Counts,
+    /// Participating media, each in words.
+    pub media: Vec<String>,
     /// Image textures.
     pub textures: usize,
     /// Memory of texels, bytes.
@@ -111,6 +115,7 @@ impl SceneReport {
             geometry_memory_bytes: geometry_bytes(description),
             lights: by_type(&mut description.emitters.iter().map(names::emitter)),
             materials: by_type(&mut ids.map(|id| materials.get(id).name())),
+            media: description.media.list.iter().map(medium).collect(),
             textures: textures.count,
             texture_memory_bytes: textures.bytes,
             camera: names::camera(&description.camera.projection),
@@ -183,6 +188,9 @@ impl SceneReport {
             // Writing to a string cannot fail.
             let _ = writeln!(text, "{name:<11}{value}");
         }
+        for medium in &self.media {
+            let _ = writeln!(text, "{:<11}{medium}", "medium");
+        }
         for precaution in &self.precautions {
             let state = if precaution.on { "on" } else { "off" };
             let (name, why) = (precaution.name, &precaution.why);
@@ -194,6 +202,22 @@ impl SceneReport {
         }
         text
     }
+}
+
+/// A medium in words: whether it scatters tells what it costs.
+fn medium(medium: &Medium) -> String {
+    let list = |c: Rgb| format!("{:.3}, {:.3}, {:.3}", c.x, c.y, c.z);
+    let (extinction, alone) = match &medium.extinction {
+        Extinction::Homogeneous(Homogeneous { extinction, albedo }) => {
+            (list(*extinction), *albedo == Rgb::ZERO)
+        }
+        Extinction::Heterogeneous(grid) => {
+            let [x, y, z] = grid.density().resolution();
+            (format!("by {x} x {y} x {z} voxels"), grid.absorbs_alone())
+        }
+    };
+    let does = if alone { "absorbs alone" } else { "scatters" };
+    format!("{}: extinction {extinction}, {does}", medium.name)
 }
 
 fn film_report(description: &Description) -> FilmReport {

@@ -192,6 +192,19 @@ pub fn inside_of_cube(h: f32) -> Geometry {
     mesh((0..8).map(corner).collect(), triangles)
 }
 
+/// The cube `[-h, h]^3`: normals point outwards.
+pub fn cube(h: f32) -> Geometry {
+    let Geometry::Mesh(inside) = inside_of_cube(h) else {
+        unreachable!("it is a mesh")
+    };
+    let turned = inside
+        .triangles
+        .triangles()
+        .iter()
+        .map(|&[a, b, c]| [a, c, b]);
+    mesh(inside.triangles.positions().to_vec(), turned.collect())
+}
+
 /// A scene ready to render.
 pub struct Built {
     pub scene: Scene,

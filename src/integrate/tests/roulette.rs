@@ -4,7 +4,7 @@ use crate::accel::Ray;
 use crate::camera::CameraRay;
 use crate::integrate::guided_path::GuidedPath;
 use crate::integrate::path::Path;
-use crate::integrate::roulette::{by_field, by_throughput, split_factor};
+use crate::integrate::roulette::{MAX_SURVIVAL, by_field, by_throughput, split_factor};
 use crate::math::{PathSampler, Rgb, Vec3};
 
 fn path(throughput: Rgb, eta: f32) -> GuidedPath {
@@ -21,7 +21,8 @@ fn path(throughput: Rgb, eta: f32) -> GuidedPath {
 
 #[test]
 fn by_throughput_a_path_lives_as_its_brightest_channel_says() {
-    let chance = |r, g, b, eta| by_throughput(&path(Rgb::new(r, g, b), eta).base, 1.0);
+    let chance =
+        |r, g, b, eta| by_throughput(&path(Rgb::new(r, g, b), eta).base, 1.0, MAX_SURVIVAL);
     assert_eq!(chance(0.1, 0.5, 0.2, 1.0), 0.5);
     // Inside glass the throughput is scaled by 1/eta^2, which says nothing about what it will
     // bring.
@@ -38,10 +39,16 @@ fn by_throughput_a_path_lives_as_its_brightest_channel_says() {
 fn a_path_that_was_guided_through_glass_is_not_ended() {
     let mut p = path(Rgb::splat(0.002), 1.0);
     p.reference_throughput = 0.002;
-    assert_eq!(by_throughput(&p.base, p.reference_throughput), 0.95);
+    assert_eq!(
+        by_throughput(&p.base, p.reference_throughput, MAX_SURVIVAL),
+        0.95
+    );
     // Glass that absorbs half since.
     p.base.throughput *= 0.5;
-    assert_eq!(by_throughput(&p.base, p.reference_throughput), 0.5);
+    assert_eq!(
+        by_throughput(&p.base, p.reference_throughput, MAX_SURVIVAL),
+        0.5
+    );
 }
 
 #[test]
@@ -101,7 +108,7 @@ fn what_survives_stands_for_what_does_not() {
         let mut p = path(Rgb::splat(0.3), 1.0);
         p.pixel_estimate = 10.0;
         let by = [
-            by_throughput(&p.base, p.reference_throughput),
+            by_throughput(&p.base, p.reference_throughput, MAX_SURVIVAL),
             by_field(&mut p, 1.4),
         ];
         for ((sum, chance), u) in sums.iter_mut().zip(by).zip(u) {

@@ -5,8 +5,8 @@ use crate::accel::Bounds;
 use crate::bsdf::Materials;
 use crate::camera::CameraDescription;
 use crate::light::Emitter;
-use crate::medium::Media;
 use crate::math::{DAffine3, Vec3};
+use crate::medium::Media;
 use crate::scene::{Geometry, Shape};
 use std::collections::{BTreeMap, HashSet};
 

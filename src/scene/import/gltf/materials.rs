@@ -126,7 +126,7 @@ impl Importer<'_> {
         let core = self.core(material, variant, &of)?;
         let emission = self.emission(material, &of)?;
         let id = match self.only_material {
-            Some(id) => id,
+            Some((id, _)) => id,
             None => self.surface(material, variant, core, &of)?,
         };
         if self.only_material.is_none() {

@@ -34,7 +34,7 @@ use super::parts::Parts;
 use super::{ImportError, ImportOptions};
 use crate::bsdf::MaterialId;
 use crate::math::DAffine3;
-use crate::medium::MediumId;
+use crate::medium::{Boundary, MediumId};
 use accessor::Accessors;
 use container::Container;
 use materials::{Finish, Variant};
@@ -50,6 +50,8 @@ pub struct GltfOptions {
     pub to_world: DAffine3,
     /// A material that takes the place of all the file's own.
     pub material: Option<MaterialId>,
+    /// The media on the sides of what has that material.
+    pub boundary: Option<Boundary>,
 }
 
 /// Adds what is in the file `path` to `parts`.
@@ -67,7 +69,7 @@ pub fn load(
     let mut importer = Importer {
         container: &container,
         options,
-        only_material: gltf.material,
+        only_material: gltf.material.map(|material| (material, gltf.boundary)),
         parts,
         images: Images::default(),
         finishes: HashMap::new(),
@@ -94,7 +96,7 @@ pub fn load(
 struct Importer<'a> {
     container: &'a Container,
     options: &'a ImportOptions,
-    only_material: Option<MaterialId>,
+    only_material: Option<(MaterialId, Option<Boundary>)>,
     parts: &'a mut Parts,
     images: Images,
     finishes: HashMap<Variant, Finish>,

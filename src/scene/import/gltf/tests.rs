@@ -143,6 +143,7 @@ fn load_bytes(text: &[u8], to_world: &DAffine3, asked: Arc<Asked>) -> Result<Par
     std::fs::write(&path, text).unwrap();
     let mut parts = Parts::default();
     let gltf = GltfOptions {
+        boundary: None,
         to_world: *to_world,
         material: None,
     };

@@ -5,10 +5,7 @@ use super::extension::Extension;
 use super::materials::name_of;
 use super::schema;
 use crate::math::Rgb;
-use crate::medium::{Boundary, Homogeneous, Medium, MediumId, PhaseFunction, VACUUM};
-
-/// The darkest attenuation colour: the logarithm of 0 is infinite.
-const DARKEST: f32 = 1e-6;
+use crate::medium::{Boundary, Homogeneous, Medium, PhaseFunction, VACUUM};
 
 fn extension(material: &schema::Material) -> Option<Extension<'_>> {
     Extension::of(&material.extensions, "KHR_materials_volume")
@@ -20,22 +17,20 @@ pub(super) fn thickness(material: &schema::Material) -> f32 {
     extension(material).map_or(0.0, |volume| volume.number("thicknessFactor", 0.0))
 }
 
-/// Absorption per unit length: light of the attenuation colour is left after the attenuation
-/// distance. `None` where all is left.
-fn absorption(material: &schema::Material) -> Option<Rgb> {
+/// Light of the attenuation colour is left after the attenuation distance. `None` where all is.
+fn absorbing(material: &schema::Material) -> Option<Homogeneous> {
     let volume = extension(material)?;
     let color = volume.color("attenuationColor", Rgb::ONE);
     let distance = volume.number("attenuationDistance", f32::INFINITY);
-    let color = color.clamp(Rgb::splat(DARKEST), Rgb::ONE);
     let absorbs = color != Rgb::ONE && distance > 0.0 && distance.is_finite();
-    absorbs.then(|| color.map(|c| -c.ln() / distance))
+    absorbs.then(|| Homogeneous::absorbing(color, distance))
 }
 
 impl Importer<'_> {
     /// What a primitive of that material encloses; `None` where it encloses nothing that absorbs.
     pub(super) fn boundary(&mut self, index: Option<usize>) -> Option<Boundary> {
-        if self.only_material.is_some() {
-            return None;
+        if let Some((_, boundary)) = self.only_material {
+            return boundary;
         }
         let index = index?;
         let material = self.container.document.materials.get(index)?;
@@ -44,27 +39,19 @@ impl Importer<'_> {
         if opaque || thickness(material) <= 0.0 {
             return None;
         }
-        let absorption = absorption(material)?;
+        let extinction = absorbing(material)?;
         let name = name_of(material, Some(index));
-        let interior = self.medium(index, name, absorption);
+        let list = &mut self.parts.media;
+        let interior = *self.media.entry(index).or_insert_with(|| {
+            list.push(Medium {
+                name,
+                extinction: extinction.into(),
+                phase: PhaseFunction::isotropic(),
+            })
+        });
         Some(Boundary {
             interior,
             exterior: VACUUM,
-        })
-    }
-
-    fn medium(&mut self, index: usize, name: String, absorption: Rgb) -> MediumId {
-        let list = &mut self.parts.media.list;
-        *self.media.entry(index).or_insert_with(|| {
-            list.push(Medium {
-                name,
-                extinction: Homogeneous {
-                    extinction: absorption,
-                    albedo: Rgb::ZERO,
-                },
-                phase: PhaseFunction::isotropic(),
-            });
-            list.len() as MediumId - 1
         })
     }
 }

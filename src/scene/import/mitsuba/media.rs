@@ -4,9 +4,18 @@ use super::importer::Importer;
 use super::params::Params;
 use super::role::Role;
 use super::value::Value;
-use crate::math::Rgb;
-use crate::medium::{Boundary, Homogeneous, Medium, MediumId, PhaseFunction, PhaseLobe, VACUUM};
+use crate::math::{Affine3A, DAffine3, Rgb};
+use crate::medium::grids::{Albedo, Filter, Grid, Heterogeneous, Lookup, Vol, Wrap};
+use crate::medium::{
+    Boundary, Extinction, Homogeneous, Medium, MediumId, PhaseFunction, PhaseLobe, VACUUM,
+};
 use crate::scene::import::ImportError;
+
+/// Values over space.
+enum Volume {
+    Constant(Rgb),
+    Grid(Grid),
+}
 
 /// Blends of phase functions inside of blends.
 const MOST_NESTED: u32 = 8;
@@ -40,10 +49,8 @@ impl<'a> Importer<'a> {
         if let Some(&id) = self.medium_of.get(&index) {
             return id;
         }
-        let made = self.make_medium(index).map(|medium| {
-            self.media.list.push(medium);
-            self.media.list.len() as MediumId - 1
-        });
+        let made = self.make_medium(index);
+        let made = made.map(|medium| self.media.push(medium));
         let id = self.or_instead(index, made, "nothing takes its place", |_| VACUUM);
         self.medium_of.insert(index, id);
         id
@@ -51,16 +58,21 @@ impl<'a> Importer<'a> {
 
     fn make_medium(&mut self, index: usize) -> Result<Medium, ImportError> {
         let p = Params::new(self.document, index);
-        if p.plugin() != "homogeneous" {
+        if !matches!(p.plugin(), "homogeneous" | "heterogeneous") {
             let message = format!(
-                "medium \"{}\" is not read, only \"homogeneous\"",
+                "medium \"{}\" is not read: homogeneous and heterogeneous are",
                 p.plugin()
             );
             return Err(p.error(message));
         }
         // How to sample is the renderer's decision, and what is the same everywhere has no place.
-        p.ignore(&["sample_emitters", "has_spectral_extinction", "to_world"]);
-        let extinction = self.coefficients(&p)?;
+        p.ignore(&[
+            "sample_emitters",
+            "has_spectral_extinction",
+            "to_world",
+            "majorant_resolution_factor",
+        ]);
+        let extinction = self.extinction(&p)?;
         let phase = match p.child("phase")? {
             Some(phase) => self.phase(phase, 0),
             None => PhaseFunction::isotropic(),
@@ -75,7 +87,7 @@ impl<'a> Importer<'a> {
     }
 
     /// Extinction and albedo, by themselves or as coefficients of scattering and absorption.
-    fn coefficients(&mut self, p: &Params<'a>) -> Result<Homogeneous, ImportError> {
+    fn extinction(&mut self, p: &Params<'a>) -> Result<Extinction, ImportError> {
         let scale = p.float_in("scale", 1.0, 0.0..=f64::from(f32::MAX)) as f32;
         if p.has("material") {
             let message =
@@ -93,30 +105,57 @@ impl<'a> Importer<'a> {
                     0.0
                 }
             };
-            return Ok(Homogeneous {
+            let medium = Homogeneous {
                 extinction: (sum * scale).min(Rgb::MAX),
                 albedo: Rgb::new(share(0), share(1), share(2)),
-            });
+            };
+            return Ok(medium.into());
         }
-        let extinction = self.coefficient(p, "sigma_t", 1.0)? * scale;
         let albedo = self.volume(p, "albedo", Role::Reflectance)?;
-        Ok(Homogeneous {
-            extinction: extinction.min(Rgb::MAX),
-            albedo: albedo
-                .unwrap_or(Rgb::splat(0.75))
-                .clamp(Rgb::ZERO, Rgb::ONE),
-        })
+        let albedo = albedo.unwrap_or(Volume::Constant(Rgb::splat(0.75)));
+        let density = match self.volume(p, "sigma_t", Role::Number)? {
+            Some(Volume::Grid(grid)) => {
+                let albedo = match albedo {
+                    Volume::Constant(albedo) => Albedo::Constant(albedo.clamp(Rgb::ZERO, Rgb::ONE)),
+                    Volume::Grid(albedo) => Albedo::Grid(albedo),
+                };
+                let medium = Heterogeneous::new(grid, scale, albedo);
+                return medium
+                    .map(Extinction::from)
+                    .map_err(|why| p.error(why.to_string()));
+            }
+            Some(Volume::Constant(density)) => self.checked(p, "sigma_t", density)?,
+            None => Rgb::ONE,
+        };
+        let Volume::Constant(albedo) = albedo else {
+            return Err(p.error("an \"albedo\" by place needs a \"sigma_t\" by place"));
+        };
+        let medium = Homogeneous {
+            extinction: (density * scale).min(Rgb::MAX),
+            albedo: albedo.clamp(Rgb::ZERO, Rgb::ONE),
+        };
+        Ok(medium.into())
     }
 
-    /// A coefficient, which is not negative.
+    /// A coefficient that is the same everywhere.
     fn coefficient(
         &mut self,
         p: &Params<'a>,
         name: &'static str,
         default: f32,
     ) -> Result<Rgb, ImportError> {
-        let given = self.volume(p, name, Role::Number)?;
-        let value = given.unwrap_or(Rgb::splat(default));
+        match self.volume(p, name, Role::Number)? {
+            None => Ok(Rgb::splat(default)),
+            Some(Volume::Constant(value)) => self.checked(p, name, value),
+            Some(Volume::Grid(_)) => {
+                let message = format!("\"{name}\" by place is not read: \"sigma_t\" is");
+                Err(self.document.error(p.place_of(name), message))
+            }
+        }
+    }
+
+    /// A coefficient is a number, and not negative.
+    fn checked(&self, p: &Params<'a>, name: &str, value: Rgb) -> Result<Rgb, ImportError> {
         if value.is_finite() && value.min_element() >= 0.0 {
             return Ok(value);
         }
@@ -124,30 +163,66 @@ impl<'a> Importer<'a> {
         Err(self.document.error(p.place_of(name), message))
     }
 
-    /// A colour, by itself or as a volume that is the same everywhere.
+    /// A colour or a volume.
     fn volume(
         &mut self,
         p: &Params<'a>,
         name: &'static str,
         role: Role,
-    ) -> Result<Option<Rgb>, ImportError> {
+    ) -> Result<Option<Volume>, ImportError> {
         let Some(property) = p.find(name) else {
             return Ok(None);
         };
-        let Value::Object(index) = property.value else {
-            return Ok(self.color(p, name, role));
+        let index = match property.value {
+            Value::Object(index) if self.document.objects[index].tag == "volume" => index,
+            _ => return Ok(self.color(p, name, role).map(Volume::Constant)),
         };
-        if self.document.objects[index].tag != "volume" {
-            return Ok(self.color(p, name, role));
-        }
         let inner = Params::new(self.document, index);
-        if inner.plugin() != "constvolume" {
-            let message = format!("volume \"{}\" is not read here", inner.plugin());
-            return Err(inner.error(message));
-        }
-        let value = self.color(&inner, "value", role);
+        let volume = match inner.plugin() {
+            "constvolume" => self.color(&inner, "value", role).map(Volume::Constant),
+            "gridvolume" => Some(Volume::Grid(self.grid_volume(&inner)?)),
+            plugin => {
+                let message =
+                    format!("volume \"{plugin}\" is not read: constvolume and gridvolume are");
+                return Err(inner.error(message));
+            }
+        };
         self.done(&inner);
-        Ok(value)
+        Ok(volume)
+    }
+
+    /// The grid of a file.
+    fn grid_volume(&mut self, p: &Params<'a>) -> Result<Grid, ImportError> {
+        // Densities are no colours, and how they are looked up is the renderer's decision.
+        p.ignore(&["raw", "accel"]);
+        let Some(name) = p.text("filename") else {
+            return Err(p.error("a \"gridvolume\" needs a \"filename\""));
+        };
+        let at = p.place_of("filename");
+        let path = self.document.resolve(at, name);
+        let vol = Vol::read(&path).map_err(|why| self.document.error(at, why.to_string()))?;
+        let mut place = self.place(p.to_world(), None);
+        if p.boolean("use_grid_bbox", false) {
+            let inside = vol.bbox_transform();
+            let inside = inside.map_err(|why| self.document.error(at, why.to_string()))?;
+            let inside = inside.to_cols_array().map(f64::from);
+            place *= DAffine3::from_cols_array(&inside);
+        }
+        let filters = [
+            ("trilinear", Filter::Trilinear),
+            ("nearest", Filter::Nearest),
+        ];
+        let wraps = [
+            ("clamp", Wrap::Clamp),
+            ("repeat", Wrap::Repeat),
+            ("mirror", Wrap::Mirror),
+        ];
+        let lookup = Lookup {
+            filter: p.choice("filter_type", &filters).unwrap_or_default(),
+            wrap: p.choice("wrap_mode", &wraps).unwrap_or_default(),
+        };
+        let place = Affine3A::from_cols_array(&place.to_cols_array().map(|x| x as f32));
+        Grid::from_vol(vol, place, lookup).map_err(|why| self.document.error(at, why.to_string()))
     }
 
     fn phase(&mut self, index: usize, nested: u32) -> PhaseFunction {

@@ -23,6 +23,7 @@ use crate::accel::TriangleMesh;
 use crate::bsdf::MaterialId;
 use crate::light::Emitter;
 use crate::math::{DAffine3, Rgb, Vec3};
+use crate::medium::Boundary;
 use crate::scene::{Geometry, Mesh, Shape};
 use crate::texture::Texture;
 use mtl::Library;
@@ -89,6 +90,7 @@ pub fn load(
                 let gltf = GltfOptions {
                     to_world: source.to_world * turn,
                     material: paint.map(|p| p.add(&mut parts.materials, false)),
+                    boundary: paint.and_then(|p| p.boundary(&mut parts.media)),
                 };
                 gltf::load(&source.path, &gltf, options, &mut parts)?;
             }
@@ -184,6 +186,7 @@ impl Adder<'_> {
             Some(_) => Library::default(),
             None => Library::read(path, &loaded.face_materials, self.parts),
         };
+        let boundary = paint.and_then(|p| p.boundary(&mut self.parts.media));
         let mut pieces = Vec::new();
         for (index, mut mesh) in by_material(loaded) {
             if let Some(warning) = colors::prepare(&mut mesh) {
@@ -200,6 +203,7 @@ impl Adder<'_> {
                 mesh,
                 material,
                 radiance,
+                boundary,
             });
         }
         self.place(unique, pieces);
@@ -269,7 +273,7 @@ impl Adder<'_> {
             emitter,
             flip_normals: false,
             group,
-            boundary: None,
+            boundary: piece.boundary,
         });
     }
 }
@@ -279,6 +283,8 @@ struct Piece {
     mesh: Mesh,
     material: MaterialId,
     radiance: Option<Texture>,
+    /// The media on its sides.
+    boundary: Option<Boundary>,
 }
 
 impl Piece {
@@ -307,6 +313,7 @@ impl Piece {
             },
             material: self.material,
             radiance: self.radiance.clone(),
+            boundary: self.boundary,
         }
     }
 }

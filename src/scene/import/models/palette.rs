@@ -8,6 +8,7 @@ use crate::bsdf::material::{
 };
 use crate::bsdf::{Material, MaterialId, Materials};
 use crate::math::Rgb;
+use crate::medium::{Boundary, Homogeneous, Media, Medium, PhaseFunction, VACUUM};
 use crate::scene::import::ior;
 use crate::texture::Texture;
 use std::str::FromStr;
@@ -31,6 +32,9 @@ const METALS: [(&str, &str); 7] = [
     ("tungsten", "W"),
 ];
 
+/// Those that light passes: what they enclose can absorb.
+const BODIES: [&str; 3] = ["glass", "frosted", "water"];
+
 /// Roughness of metals and frosted glass, as the width of their facets.
 const ALPHA: f32 = 0.15;
 
@@ -39,6 +43,9 @@ const ALPHA: f32 = 0.15;
 pub struct Paint {
     name: String,
     color: Option<Rgb>,
+    /// The distance inside after which light of the colour is left, instead of tinting what passes
+    /// the surface.
+    distance: Option<f32>,
 }
 
 impl Paint {
@@ -47,6 +54,7 @@ impl Paint {
         Self {
             name: "clay".into(),
             color: None,
+            distance: None,
         }
     }
 
@@ -58,7 +66,10 @@ impl Paint {
             None if colored => Texture::MeshAttribute(VERTEX_COLOR.into()),
             None => Texture::Constant(Rgb::from(default)),
         };
-        let tint = || self.color.map_or_else(white, Texture::Constant);
+        let tint = || match (self.color, self.distance) {
+            (Some(color), None) => Texture::Constant(color),
+            _ => white(),
+        };
         let material = match self.name.as_str() {
             "glass" => dielectric(1.5, tint()),
             "water" => dielectric(1.333, tint()),
@@ -92,13 +103,43 @@ impl Paint {
     }
 }
 
+impl Paint {
+    /// What a closed body painted so encloses: `None` if nothing.
+    pub fn boundary(&self, media: &mut Media) -> Option<Boundary> {
+        let (color, distance) = (self.color?, self.distance?);
+        let inside = Homogeneous::absorbing(color, distance);
+        let interior = media.push(Medium {
+            name: self.name.clone(),
+            extinction: inside.into(),
+            phase: PhaseFunction::isotropic(),
+        });
+        Some(Boundary {
+            interior,
+            exterior: VACUUM,
+        })
+    }
+}
+
 impl FromStr for Paint {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let (name, color) = match text.split_once(':') {
-            Some((name, color)) => (name, Some(parse_color(color)?)),
+        let (name, rest) = match text.split_once(':') {
+            Some((name, rest)) => (name, Some(rest)),
             None => (text, None),
+        };
+        let (color, distance) = match rest.map(|rest| (rest, rest.split_once('@'))) {
+            None => (None, None),
+            Some((_, Some((color, distance)))) if BODIES.contains(&name) => {
+                (Some(parse_color(color)?), Some(parse_distance(distance)?))
+            }
+            Some((_, Some(_))) => {
+                let bodies = BODIES.join(", ");
+                return Err(format!(
+                    "\"{name}\" has no inside: only {bodies} take a distance"
+                ));
+            }
+            Some((color, None)) => (Some(parse_color(color)?), None),
         };
         let known = NAMES.contains(&name) || METALS.iter().any(|m| m.0 == name);
         if !known {
@@ -112,8 +153,18 @@ impl FromStr for Paint {
         Ok(Self {
             name: name.into(),
             color,
+            distance,
         })
     }
+}
+
+/// A length.
+fn parse_distance(text: &str) -> Result<f32, String> {
+    let distance = text
+        .parse()
+        .ok()
+        .filter(|d: &f32| *d > 0.0 && d.is_finite());
+    distance.ok_or_else(|| format!("\"{text}\" is no distance: a length above 0 is expected"))
 }
 
 /// `0.8,0.2,0.1` (linear) or `#cc3311` (sRGB).

@@ -4,7 +4,7 @@ use super::*;
 use crate::bsdf::MaterialId;
 use crate::bsdf::material::{MetallicRoughness, Principled, PrincipledThin};
 use crate::image::{Image, WriteOptions};
-use crate::medium::VACUUM;
+use crate::medium::{Extinction, VACUUM};
 use crate::texture::{Filter, Wrap};
 
 /// The parts of a triangle with that material; all three corners have texture coordinates.
@@ -163,7 +163,10 @@ fn transmission_is_thin_unless_there_is_a_volume() {
     assert_eq!(value(&principled(&parts).base_color), 1.0);
     let boundary = parts.shapes[0].boundary.unwrap();
     assert_eq!(boundary.exterior, VACUUM);
-    let inside = parts.media.get(boundary.interior).unwrap().extinction;
+    let inside = &parts.media.get(boundary.interior).unwrap().extinction;
+    let Extinction::Homogeneous(inside) = inside else {
+        panic!("{inside:?}")
+    };
     assert_eq!(inside.albedo, Rgb::ZERO);
     let expected = Rgb::new(2f32.ln(), 0.0, 0.0);
     assert!((inside.extinction - expected).length() < 1e-6, "{inside:?}");
@@ -274,6 +277,7 @@ fn images_of_facets_and_their_gloss_count_texel_by_texel() {
     std::fs::write(&path, file.text()).unwrap();
     let store = Arc::new(crate::texture::TextureStore::new(1 << 20));
     let gltf = GltfOptions {
+        boundary: None,
         to_world: DAffine3::IDENTITY,
         material: None,
     };

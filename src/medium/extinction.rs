@@ -1,0 +1,80 @@
+//! How a medium takes light out of a ray: the same everywhere, or by place.
+
+use super::grids::Heterogeneous;
+use super::{Flight, Homogeneous, Segment, Spectrum};
+use crate::math::{Rgb, Vec3};
+use std::sync::Arc;
+
+/// Extinction and albedo of a medium.
+#[derive(Clone, Debug)]
+pub enum Extinction {
+    /// The same everywhere.
+    Homogeneous(Homogeneous),
+    /// By place.
+    Heterogeneous(Arc<Heterogeneous>),
+}
+
+impl Extinction {
+    /// Draws a collision on the segment, or none. What only absorbs has none: its transmittance is
+    /// exact.
+    #[inline]
+    pub fn sample(
+        &self,
+        segment: &Segment,
+        spectrum: &mut Spectrum,
+        u: &mut impl FnMut() -> f32,
+    ) -> Flight {
+        let Segment {
+            origin,
+            direction,
+            length,
+        } = *segment;
+        match self {
+            Self::Homogeneous(medium) => medium.sample(segment, spectrum, u),
+            Self::Heterogeneous(medium) if medium.absorbs_alone() => {
+                let depth = medium.optical_depth(origin, direction, length);
+                Flight {
+                    factor: (-depth).exp(),
+                    collision: None,
+                }
+            }
+            Self::Heterogeneous(medium) => {
+                medium.sample(origin, direction, length, &mut spectrum.0, u)
+            }
+        }
+    }
+
+    /// The share of light that comes through the segment: exact, or an unbiased estimate.
+    #[inline]
+    pub fn transmittance(&self, segment: &Segment, u: &mut impl FnMut() -> f32) -> Rgb {
+        let Segment {
+            origin,
+            direction,
+            length,
+        } = *segment;
+        match self {
+            Self::Homogeneous(medium) => medium.transmittance(length),
+            Self::Heterogeneous(medium) => medium.transmittance(origin, direction, length, u),
+        }
+    }
+
+    /// The share of a collision's light that is scattered at a place.
+    pub fn albedo(&self, p: Vec3) -> Rgb {
+        match self {
+            Self::Homogeneous(medium) => medium.albedo,
+            Self::Heterogeneous(medium) => medium.albedo(p),
+        }
+    }
+}
+
+impl From<Homogeneous> for Extinction {
+    fn from(medium: Homogeneous) -> Self {
+        Self::Homogeneous(medium)
+    }
+}
+
+impl From<Heterogeneous> for Extinction {
+    fn from(medium: Heterogeneous) -> Self {
+        Self::Heterogeneous(Arc::new(medium))
+    }
+}

@@ -1,0 +1,282 @@
+//! Participating media: closed forms, and agreement with Mitsuba 3.
+
+mod support;
+
+use exr::prelude::read_first_rgba_layer_from_file;
+use serde_json::Value;
+use std::path::Path;
+use std::process::Command;
+use support::{SceneMaker, cube, settings};
+use twintree::accel::{AnalyticKind, Backend};
+use twintree::bsdf::material::Null;
+use twintree::integrate::PathSettings;
+use twintree::light::Emitter;
+use twintree::math::{Affine3A, Rgb, Vec3};
+use twintree::medium::grids::Vol;
+use twintree::medium::{Boundary, Homogeneous, Medium, PhaseFunction, VACUUM};
+use twintree::scene::Geometry;
+
+/// Adds a medium that scatters to all sides alike.
+fn medium(maker: &mut SceneMaker, extinction: f32, albedo: f32) -> u32 {
+    maker.description.media.list.push(Medium {
+        name: "medium".into(),
+        extinction: Homogeneous {
+            extinction: Rgb::splat(extinction),
+            albedo: Rgb::splat(albedo),
+        }
+        .into(),
+        phase: PhaseFunction::isotropic(),
+    });
+    maker.description.media.list.len() as u32 - 1
+}
+
+/// Adds an index-matched body of a medium.
+fn body(maker: &mut SceneMaker, geometry: Geometry, interior: u32) {
+    let null = maker.material(Null);
+    maker.shape(geometry, null, None, false);
+    let shape = maker.description.shapes.last_mut().unwrap();
+    shape.boundary = Some(Boundary {
+        interior,
+        exterior: VACUUM,
+    });
+}
+
+fn ball(maker: &mut SceneMaker, radius: f32, interior: u32) {
+    let place = Affine3A::from_scale(Vec3::splat(radius));
+    let sphere = maker.exact(AnalyticKind::Sphere, place);
+    body(maker, sphere, interior);
+}
+
+/// The mean must be `truth` within 4 standard errors, which must be small enough to see 1 %.
+fn expect(what: &str, truth: f64, (mean, error): (f64, f64)) {
+    println!("{what}: {mean:.6} +- {error:.6}, truth {truth:.6}");
+    assert!(error < 0.0025 * truth, "{what}: too noisy to tell: {error}");
+    let allowed = 4.0 * error + 1e-4 * truth;
+    assert!(
+        (mean - truth).abs() < allowed,
+        "{what}: {mean} +- {error}, not {truth}"
+    );
+}
+
+/// A sky of 1 seen straight through a slab of thickness 2, by a narrow field of view.
+#[test]
+fn a_slab_lets_through_what_beers_law_says() {
+    for (depth, albedo) in [(1e-4f32, 0.0f32), (0.5, 0.0), (3.0, 0.0), (0.5, 0.7)] {
+        let mut maker = SceneMaker::new(Vec3::new(0.0, 0.0, -9.0), Vec3::ZERO, 0.1, 8);
+        let inside = medium(&mut maker, 0.5 * depth, albedo);
+        body(&mut maker, cube(1.0), inside);
+        maker.emitter(Emitter::Constant { radiance: Rgb::ONE });
+        // Emission alone: nothing that was scattered.
+        let settings = PathSettings {
+            max_depth: 1,
+            ..settings()
+        };
+        let built = maker.build(Backend::default());
+        let truth = f64::from(-depth).exp();
+        expect(
+            &format!("depth {depth}"),
+            truth,
+            built.mean(&settings, 4096),
+        );
+    }
+}
+
+/// Nothing is absorbed: under an even sky a ball that only scatters cannot be seen.
+#[test]
+fn a_ball_that_only_scatters_vanishes_in_a_furnace() {
+    for extinction in [0.3, 3.0, 30.0] {
+        let mut maker = SceneMaker::new(Vec3::new(0.0, 0.0, -3.0), Vec3::ZERO, 25.0, 8);
+        let inside = medium(&mut maker, extinction, 1.0);
+        ball(&mut maker, 1.0, inside);
+        maker.emitter(Emitter::Constant { radiance: Rgb::ONE });
+        let built = maker.build(Backend::default());
+        expect(
+            &format!("furnace {extinction}"),
+            1.0,
+            built.mean(&settings(), 1024),
+        );
+    }
+}
+
+/// A point light of intensity 1 at distance d beside a ray from the camera, in a medium without
+/// end. What is scattered once into the ray: the integral of sigma_s / (4 pi r^2) exp(-sigma (t +
+/// r)) over t, with r^2 = d^2 + (t - t0)^2.
+#[test]
+fn a_point_light_in_endless_fog_shows_what_is_scattered_once() {
+    let (sigma, albedo, t0, d) = (0.4f32, 0.6f32, 3.0f32, 1.0f32);
+    let mut maker = SceneMaker::new(Vec3::ZERO, Vec3::Z, 0.05, 8);
+    maker.description.camera_medium = medium(&mut maker, sigma, albedo);
+    maker.emitter(Emitter::Point {
+        position: Vec3::new(0.0, d, t0),
+        intensity: Rgb::ONE,
+    });
+    let (sigma, albedo, t0, d) = [sigma, albedo, t0, d].map(f64::from).into();
+    let step = 1e-4;
+    let along = |i: u32| {
+        let t = (f64::from(i) + 0.5) * step;
+        let square = d * d + (t - t0) * (t - t0);
+        sigma * albedo / (4.0 * std::f64::consts::PI * square)
+            * (-sigma * (t + square.sqrt())).exp()
+    };
+    let truth: f64 = (0..600_000).map(along).sum::<f64>() * step;
+    let settings = PathSettings {
+        max_depth: 2,
+        ..settings()
+    };
+    let built = maker.build(Backend::default());
+    expect("single scattering", truth, built.mean(&settings, 1 << 14));
+}
+
+/// Optical depths and sizes from the smallest to the largest: every image is finite, and a ball
+/// that absorbs nothing still vanishes.
+#[test]
+fn extremes_neither_hang_nor_lose_light() {
+    for scale in [1e-4f32, 1.0, 1e4] {
+        for depth in [1e-8f32, 1e-3, 1e3, 1e6] {
+            let eye = Vec3::new(0.0, 0.0, -3.0) * scale;
+            let mut maker = SceneMaker::new(eye, Vec3::ZERO, 25.0, 8);
+            maker.description.camera.near_clip = 1e-3 * f64::from(scale);
+            // What is deep inside comes out late: most of it is absorbed there.
+            let albedo = if depth > 1.0 { 0.99 } else { 1.0 };
+            let inside = medium(&mut maker, depth / scale, albedo);
+            ball(&mut maker, scale, inside);
+            maker.emitter(Emitter::Constant { radiance: Rgb::ONE });
+            let (mean, error) = maker.build(Backend::default()).mean(&settings(), 64);
+            assert!(
+                mean.is_finite() && mean > 0.2 && mean < 1.0 + 4.0 * error + 1e-5,
+                "{mean}"
+            );
+            if albedo == 1.0 {
+                assert!(
+                    (mean - 1.0).abs() < 4.0 * error + 1e-4,
+                    "{scale} {depth}: {mean}"
+                );
+            }
+        }
+    }
+}
+
+/// |z| that 99.9 % of normal deviates stay below.
+const BAND: f64 = 3.29;
+const BLOCK: usize = 8;
+/// Renders of each scene: their scatter tells the error.
+const SEEDS: usize = 5;
+
+/// Means of blocks of a picture, row by row, by channel.
+fn blocks(path: &Path) -> Vec<f64> {
+    let image = read_first_rgba_layer_from_file(
+        path,
+        |size, _| (size.width(), vec![[0.0f32; 3]; size.area()]),
+        |(width, pixels), at, (r, g, b, _): (f32, f32, f32, f32)| {
+            pixels[at.y() * *width + at.x()] = [r, g, b];
+        },
+    );
+    let (width, pixels) = image.unwrap().layer_data.channel_data.pixels;
+    let height = pixels.len() / width;
+    let mut means = Vec::new();
+    for (y, x) in (0..height / BLOCK).flat_map(|y| (0..width / BLOCK).map(move |x| (y, x))) {
+        let inside = (0..BLOCK * BLOCK).map(|i| {
+            let at = (y * BLOCK + i / BLOCK) * width + x * BLOCK + i % BLOCK;
+            pixels[at].map(f64::from)
+        });
+        let sum = inside.fold([0.0; 3], |sum, p| {
+            [sum[0] + p[0], sum[1] + p[1], sum[2] + p[2]]
+        });
+        means.extend(sum.map(|s| s / (BLOCK * BLOCK) as f64));
+    }
+    means
+}
+
+/// Writes a grid beside a scene.
+fn write_grid(path: &Path, grid: &Value) {
+    let list = |key: &str| grid[key].as_array().unwrap().iter();
+    let size: Vec<u32> = list("size").map(|n| n.as_u64().unwrap() as u32).collect();
+    let vol = Vol {
+        resolution: size.try_into().unwrap(),
+        channels: grid["channels"].as_u64().unwrap() as u32,
+        bbox: [Vec3::ZERO, Vec3::ONE],
+        values: list("values").map(|x| x.as_f64().unwrap() as f32).collect(),
+    };
+    vol.write(path).unwrap();
+}
+
+/// Share of the blocks that agree, and ratio of the means with its error.
+fn compare(file: &str, theirs: &Value, more: &[&str]) -> (f64, f64, f64) {
+    let folder = tempfile::tempdir().unwrap();
+    let (scene, out) = (
+        folder.path().join("scene.xml"),
+        folder.path().join("out.exr"),
+    );
+    std::fs::write(&scene, file).unwrap();
+    for (name, grid) in theirs["grids"].as_object().into_iter().flatten() {
+        write_grid(&folder.path().join(format!("{name}.vol")), grid);
+    }
+    let renders: Vec<Vec<f64>> = (0..SEEDS)
+        .map(|seed| {
+            let mut command = Command::new(env!("CARGO_BIN_EXE_twintree"));
+            command.arg("render").arg(&scene).arg("-o").arg(&out);
+            command.args(["--quiet", "--format", "float", "--spp", "128"]);
+            command.args(["--seed", &seed.to_string()]).args(more);
+            assert!(command.status().unwrap().success());
+            blocks(&out)
+        })
+        .collect();
+    let numbers = |key: &str| {
+        theirs[key]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|x| x.as_f64().unwrap())
+    };
+    let n = SEEDS as f64;
+    let (mut inside, mut count, mut ours_all, mut theirs_all, mut variance_all) =
+        (0, 0, 0.0, 0.0, 0.0);
+    for (i, (mean, error)) in numbers("means").zip(numbers("errors")).enumerate() {
+        let ours = renders.iter().map(|r| r[i]).sum::<f64>() / n;
+        let spread = renders.iter().map(|r| (r[i] - ours).powi(2)).sum::<f64>();
+        let variance = spread / (n - 1.0) / n + error * error;
+        count += 1;
+        // Few seeds know their scatter badly: 0.3 % of the mean is the least that counts.
+        let floor = (0.003 * mean).powi(2);
+        inside += usize::from(((ours - mean).powi(2) / (variance + floor)).sqrt() < BAND);
+        ours_all += ours;
+        theirs_all += mean;
+        variance_all += variance;
+    }
+    let share = inside as f64 / f64::from(count);
+    (
+        share,
+        ours_all / theirs_all,
+        variance_all.sqrt() / theirs_all,
+    )
+}
+
+/// Scenes that are rendered guided as well.
+const GUIDED: [&str; 4] = ["nested", "matt in fog", "cloudy glass", "cloud"];
+
+/// By `tests/vectors/media.py`.
+#[test]
+fn media_look_as_in_mitsuba() {
+    let scenes: Value = serde_json::from_str(include_str!("vectors/media.json")).unwrap();
+    for (name, scene) in scenes.as_object().unwrap() {
+        let guided: &[&str] = &["--guide", "double", "--trial", "never"];
+        let ways = [&["--guide", "none"], guided];
+        for way in ways
+            .into_iter()
+            .take(1 + usize::from(GUIDED.contains(&&**name)))
+        {
+            let file = scene["file"].as_str().unwrap();
+            let (share, ratio, error) = compare(file, scene, way);
+            println!("{name} {way:?}: {share:.3} of blocks, mean {ratio:.4} +- {error:.4}");
+            assert!(
+                share >= 0.97,
+                "{name} {way:?}: only {share} of the blocks agree"
+            );
+            let allowed = (3.0 * error).max(0.01);
+            assert!(
+                (ratio - 1.0).abs() < allowed,
+                "{name} {way:?}: {ratio} +- {error}"
+            );
+        }
+    }
+}
