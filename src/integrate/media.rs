@@ -17,7 +17,7 @@ use super::path::FirstHit;
 use super::whereabouts::Whereabouts;
 use crate::accel::{Hit, Ray};
 use crate::bsdf::Bsdf;
-use crate::math::{PathSampler, Rgb};
+use crate::math::{NumberByNumber, PathSampler, Rgb};
 use crate::medium::{MediumId, Segment};
 use crate::scene::Scene;
 use crate::scene::media::length;
@@ -124,17 +124,9 @@ pub(super) fn advance<'s, S: Scatter<'s>>(
         let accumulator = (*path).as_ref().accumulator as usize;
         let mut at = whereabouts[accumulator];
         let base = path.as_mut();
-        let mut numbers = base.sampler.next4().into_iter();
-        let mut more = base.sampler.fork(FLIGHT);
-        let mut further = [0.0; 4].into_iter().take(0);
-        let mut u = || {
-            let number = numbers.next().or_else(|| further.next());
-            number.unwrap_or_else(|| {
-                further = more.next4().into_iter().take(4);
-                further.next().unwrap_or(0.5)
-            })
-        };
-        let way = follow(scene, (ray, hit), &mut at, &mut u);
+        let first = base.sampler.next4();
+        let mut numbers = NumberByNumber::new(first, base.sampler.fork(FLIGHT));
+        let way = follow(scene, (ray, hit), &mut at, &mut || numbers.draw());
         base.throughput *= way.factor;
         passed += way.rays;
         let radiance = &mut radiances[accumulator];
@@ -227,7 +219,7 @@ pub(super) fn cast_shadows(scene: &Scene, shadows: &mut Shadows, blocked: &mut [
         scene.rays.occluded_batch(shadows.rays, blocked);
     }
     let mut traced = 0;
-    let each = shadows.rays.iter().zip(&mut *shadows.media);
+    let each = shadows.rays.iter().zip(&*shadows.media);
     for (((ray, start), offer), blocked) in each.zip(&mut *shadows.offers).zip(&mut *blocked) {
         if *blocked {
             continue;
@@ -243,16 +235,10 @@ pub(super) fn cast_shadows(scene: &Scene, shadows: &mut Shadows, blocked: &mut [
 }
 
 /// What comes through along a shadow ray; 0 where a surface blocks it.
-fn transmittance(scene: &Scene, ray: &Ray, start: &mut ShadowMedium, traced: &mut u64) -> Rgb {
+fn transmittance(scene: &Scene, ray: &Ray, start: &ShadowMedium, traced: &mut u64) -> Rgb {
     let media = &scene.media;
-    let mut numbers = [0.0; 4].into_iter().take(0);
-    let sampler = &mut start.sampler;
-    let mut u = || {
-        numbers.next().unwrap_or_else(|| {
-            numbers = sampler.next4().into_iter().take(4);
-            numbers.next().unwrap_or(0.5)
-        })
-    };
+    let mut numbers = NumberByNumber::from(start.sampler);
+    let mut u = || numbers.draw();
     let mut at = Whereabouts::inside(start.medium);
     let (mut ray, mut found) = (*ray, Rgb::ONE);
     for _ in 0..MOST_PASSED {

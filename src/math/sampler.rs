@@ -82,6 +82,43 @@ impl PathSampler {
     }
 }
 
+/// The numbers of a path one by one, where nobody knows how many it will take.
+#[derive(Clone, Copy, Debug)]
+pub struct NumberByNumber {
+    sampler: PathSampler,
+    block: [f32; 4],
+    taken: usize,
+}
+
+impl NumberByNumber {
+    /// Four numbers, and then those of a sampler.
+    #[inline]
+    pub fn new(block: [f32; 4], sampler: PathSampler) -> Self {
+        Self {
+            sampler,
+            block,
+            taken: 0,
+        }
+    }
+
+    /// The next, in `[0, 1)`.
+    #[inline]
+    pub fn draw(&mut self) -> f32 {
+        if self.taken == self.block.len() {
+            self.block = self.sampler.next4();
+            self.taken = 0;
+        }
+        self.taken += 1;
+        self.block[self.taken - 1]
+    }
+}
+
+impl From<PathSampler> for NumberByNumber {
+    fn from(mut sampler: PathSampler) -> Self {
+        Self::new(sampler.next4(), sampler)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

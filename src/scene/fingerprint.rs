@@ -10,6 +10,7 @@
 use super::description::{Description, Geometry, Mesh, Shape};
 use crate::camera::CameraDescription;
 use crate::light::Emitter;
+use crate::medium::Extinction;
 use crate::texture::Bitmap;
 use rayon::prelude::*;
 use std::fmt::Write as _;
@@ -53,6 +54,9 @@ fn print(
     }
     for emitter in &scene.emitters {
         print.emitter(emitter)?;
+    }
+    if !scene.media.is_empty() {
+        print.media(scene);
     }
     // Importers open textures from many threads: their order says nothing.
     let mut images: Vec<u64> = textures.par_iter().map(|t| of_bitmap(t)).collect();
@@ -111,6 +115,22 @@ impl Print {
             Geometry::Mesh(mesh) => self.mesh(mesh),
             Geometry::Analytic(exact) => self.text(format_args!("{exact:?}")),
         }
+    }
+
+    /// Adds media, and where they are.
+    fn media(&mut self, scene: &Description) {
+        for medium in &scene.media.list {
+            self.text(format_args!("{:?} {:?}", medium.extinction, medium.phase));
+            if let Extinction::Heterogeneous(medium) = &medium.extinction {
+                for grid in medium.grids() {
+                    self.bytes(bytemuck::cast_slice(grid.values()));
+                }
+            }
+        }
+        for shape in &scene.shapes {
+            self.text(format_args!("{:?}", shape.boundary));
+        }
+        self.text(format_args!("{}", scene.camera_medium));
     }
 
     fn mesh(&mut self, mesh: &Mesh) {

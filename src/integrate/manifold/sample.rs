@@ -12,7 +12,7 @@ use crate::integrate::whereabouts::Whereabouts;
 use crate::light::{CausticEmitter, LightSource, Shining};
 use crate::math::frame::normals_disagree;
 use crate::math::mis::power_heuristic;
-use crate::math::{PathSampler, Rgb, Vec2};
+use crate::math::{NumberByNumber, PathSampler, Rgb, Vec2};
 use crate::scene::Scene;
 
 /// What is to be sampled.
@@ -131,7 +131,7 @@ impl SpecularChains {
 struct Passage {
     at: Option<Whereabouts>,
     transmittance: Rgb,
-    sampler: PathSampler,
+    numbers: NumberByNumber,
 }
 
 impl Passage {
@@ -139,14 +139,14 @@ impl Passage {
         Self {
             at: request.vertex.media.copied(),
             transmittance: Rgb::ONE,
-            sampler: request.numbers,
+            numbers: request.numbers.into(),
         }
     }
 
     fn pass(&mut self, scene: &Scene, ray: &Ray, hit: &Hit) {
         if let Some(at) = &mut self.at {
-            let sampler = &mut self.sampler;
-            self.transmittance *= at.pass(scene, ray, hit, &mut || sampler.next4()[0]);
+            let numbers = &mut self.numbers;
+            self.transmittance *= at.pass(scene, ray, hit, &mut || numbers.draw());
         }
     }
 }

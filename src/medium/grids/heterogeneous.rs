@@ -92,6 +92,15 @@ impl Heterogeneous {
         }
     }
 
+    /// All its grids.
+    pub fn grids(&self) -> impl Iterator<Item = &Grid> {
+        let albedo = match &self.albedo {
+            Albedo::Constant(_) => None,
+            Albedo::Grid(grid) => Some(grid),
+        };
+        [&self.density].into_iter().chain(albedo)
+    }
+
     /// The density's grid.
     pub fn density(&self) -> &Grid {
         &self.density
