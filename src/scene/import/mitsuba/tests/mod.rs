@@ -3,6 +3,7 @@
 mod broken;
 mod growth;
 mod left_out;
+mod media;
 mod paths;
 mod plugins;
 mod render_settings;
