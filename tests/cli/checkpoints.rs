@@ -178,7 +178,7 @@ fn a_user_signal_writes_a_checkpoint_and_the_render_goes_on() {
 #[test]
 fn a_checkpoint_of_another_render_is_refused_and_says_why() {
     let place = Place::new();
-    assert_eq!(interrupted(&place, 400, "").code, Some(75));
+    assert_eq!(interrupted(&place, 400, "--guide double").code, Some(75));
     let kept = (place.read("out.exr.checkpoint"), place.read("out.exr"));
     let refused = |words: &str, what: &str| {
         place.run(&format!("{words} --resume")).fails(
@@ -191,24 +191,27 @@ fn a_checkpoint_of_another_render_is_refused_and_says_why() {
         );
     };
     refused(
-        &words(400, "--seed 4"),
+        &words(400, "--seed 4 --guide double"),
         "--seed is 4 here and 0 in the checkpoint",
     );
-    refused(&words(400, "--rfilter tent"), "--rfilter");
+    refused(&words(400, "--rfilter tent --guide double"), "--rfilter");
     refused(
         &words(400, "--guide none"),
         "--guide is None here and Double",
     );
-    refused(&words(400, "--shard 0/2"), "the shard is 0/2 here and 0/1");
-    refused(&words(400, "--crop 0,0,32,32"), "--crop");
     refused(
-        &words(400, "-D spp=4 -D size=25 --accel obvhs"),
+        &words(400, "--shard 0/2 --guide double"),
+        "the shard is 0/2 here and 0/1",
+    );
+    refused(&words(400, "--crop 0,0,32,32 --guide double"), "--crop");
+    refused(
+        &words(400, "-D spp=4 -D size=25 --accel obvhs --guide double"),
         "the ray tracer",
     );
     let text = String::from_utf8(place.read("scene.xml")).unwrap();
     let moved = text.replace("value=\"0.2\"", "value=\"0.21\"");
     std::fs::write(place.path("scene.xml"), moved).unwrap();
-    refused(&words(400, ""), "the scenes differ");
+    refused(&words(400, "--guide double"), "the scenes differ");
     assert!(kept == (place.read("out.exr.checkpoint"), place.read("out.exr")));
 }
 
