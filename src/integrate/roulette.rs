@@ -40,10 +40,11 @@ pub fn scaled_throughput(path: &Path) -> f32 {
     path.throughput.max_element() * path.eta * path.eta
 }
 
-/// Probability to go on by throughput, at `most` this (see [`most`]), relative to a `reference`: 1 for a plain path, and for a
-/// guided one its scaled throughput when the field guided it last. A path that was sent through
-/// glass towards the sun has a throughput of a thousandth: to end it there unless it is lucky would
-/// undo the guiding. Guarded by `a_path_that_was_guided_through_glass_is_not_ended`.
+/// Probability to go on by throughput, relative to a `reference`, and at `most` this: 1 is the
+/// reference of a plain path, and of a guided one its scaled throughput when the field guided it
+/// last. A path that was sent through glass towards the sun has a throughput of a thousandth: to
+/// end it there unless it is lucky would undo the guiding. Guarded by
+/// `a_path_that_was_guided_through_glass_is_not_ended`.
 #[inline]
 pub fn by_throughput(path: &Path, reference: f32, most: f32) -> f32 {
     (scaled_throughput(path) / reference).min(most)
