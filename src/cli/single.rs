@@ -27,13 +27,13 @@ pub fn run(args: &RenderArgs, PixelSample { pixel, sample }: PixelSample) -> Res
     check_pixel(&loaded.description.film, pixel)?;
     let shapes = loaded.description.shapes.iter();
     let names: Vec<String> = shapes.map(|s| s.name.clone()).collect();
-    let scene = loaded.build(&args.rays)?;
-    if !scene.media.is_empty() {
+    if !loaded.description.media.is_empty() {
         return Err(Failure::wrong(
             "--pixel cannot follow a path through the media of this scene",
             "\"twintree info\" lists them; without their shapes' \"interior\" and \"exterior\" it can",
         ));
     }
+    let scene = loaded.build(&args.rays)?;
     let description = &loaded.description;
     let film = &description.film;
     let settings = settings::of_render(args, &description.render);

@@ -6,7 +6,7 @@ use super::features;
 use super::next_event::ShadowRay;
 use super::observer::PathObserver;
 use super::path::{FirstHit, Path};
-use super::whereabouts::Whereabouts;
+use super::path_medium::PathMedium;
 use crate::accel::{Hit, Ray};
 use crate::bsdf::Bsdf;
 use crate::light::{LightSource, Shining};
@@ -29,7 +29,7 @@ pub(super) struct Met<'a> {
     /// Distance that the path went before this ray, through index-matched surfaces.
     pub before: f32,
     /// The media around it, in scenes that have any.
-    pub media: Option<&'a Whereabouts>,
+    pub media: Option<&'a PathMedium>,
 }
 
 /// A point where a path scatters, and the radiance that its sample has come to so far.
@@ -42,7 +42,7 @@ pub(super) struct Arrived<'a, 's> {
     pub distance: f32,
     pub radiance: Rgb,
     /// The media around it, in scenes that have any.
-    pub media: Option<&'a Whereabouts>,
+    pub media: Option<&'a PathMedium>,
 }
 
 /// A way to trace paths: plain or guided.

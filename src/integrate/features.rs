@@ -63,16 +63,10 @@ pub(super) fn add(
     }
 }
 
-/// The same where the path has left the scene.
+/// The same where the path has left the scene: the sky has no normal, like a medium.
 #[inline(never)]
 pub(super) fn add_sky(first: &mut FirstHit, path: &Path) {
-    let arrived = arrived(path);
-    let sky = Features {
-        albedo: arrived,
-        normal: Vec3::ZERO,
-        weight: mean(arrived),
-    };
-    first.features.get_or_insert(Features::NONE).add(&sky);
+    add_collision(first, Rgb::ONE, path);
 }
 
 /// What a path from the camera meets where it collides inside of a medium.

@@ -11,16 +11,15 @@
 use super::bounce::{Arrived, BounceResult, Met, Scatter, bounce};
 use super::context::PathContext;
 use super::features;
-use super::next_event::ShadowRay;
 use super::observer::PathObserver;
 use super::path::FirstHit;
-use super::whereabouts::Whereabouts;
+use super::path_medium::{PathMedium, segment};
+use super::shadows::{ShadowMedium, ShadowRays};
 use crate::accel::{Hit, Ray};
 use crate::bsdf::Bsdf;
-use crate::math::{NumberByNumber, PathSampler, Rgb};
-use crate::medium::{MediumId, Segment};
+use crate::math::{NumberStream, Rgb};
+use crate::medium::MediumId;
 use crate::scene::Scene;
-use crate::scene::media::length;
 use crate::scene::wavefront::Wavefront;
 use crate::texture::SurfacePoint;
 
@@ -31,15 +30,8 @@ const MOST_PASSED: u32 = 10_000;
 const FLIGHT: u32 = 0x666c_6967;
 const SHADOW: u32 = 0x7368_6164;
 
-/// A shadow ray's medium, and numbers for its way.
-#[derive(Clone, Copy)]
-pub(super) struct ShadowMedium {
-    medium: MediumId,
-    sampler: PathSampler,
-}
-
-/// How a path went until it met a surface, collided or left the scene.
-struct Way {
+/// The free flight of a path: until it met a surface, collided or left the scene.
+struct FreeFlight {
     /// Its last segment.
     ray: Ray,
     hit: Hit,
@@ -52,15 +44,15 @@ struct Way {
     rays: u64,
 }
 
-/// Follows a ray through media and index-matched surfaces.
-fn follow(
+/// Samples a free flight along a ray, through index-matched surfaces.
+fn sample_flight(
     scene: &Scene,
     (ray, hit): (&Ray, &Hit),
-    at: &mut Whereabouts,
+    at: &mut PathMedium,
     u: &mut impl FnMut() -> f32,
-) -> Way {
+) -> FreeFlight {
     let media = &scene.media;
-    let mut way = Way {
+    let mut flight = FreeFlight {
         ray: *ray,
         hit: *hit,
         before: 0.0,
@@ -69,42 +61,27 @@ fn follow(
         rays: 0,
     };
     for _ in 0..MOST_PASSED {
-        let id = at.medium(way.ray.dir);
+        let id = at.medium(flight.ray.dir);
         if let Some(medium) = media.list().get(id) {
-            let segment = Segment {
-                origin: way.ray.org,
-                direction: way.ray.dir,
-                length: length(&way.ray, &way.hit),
-            };
-            let flight = medium.extinction.sample(&segment, &mut at.spectrum, u);
-            way.factor *= flight.factor;
-            if let Some(distance) = flight.collision {
-                way.collision = Some((distance, id));
+            let segment = segment(&flight.ray, &flight.hit);
+            let sampled = medium.extinction.sample(&segment, &mut at.weights, u);
+            flight.factor *= sampled.factor;
+            if let Some(distance) = sampled.collision {
+                flight.collision = Some((distance, id));
                 at.stay(id);
-                return way;
+                return flight;
             }
         }
-        if !way.hit.is_some() || !media.side(&way.hit).index_matched {
-            return way;
+        if !flight.hit.is_some() || !media.side(&flight.hit).index_matched {
+            return flight;
         }
-        at.arrive(scene, &way.ray, &way.hit);
-        let point = scene.surfaces.point(&way.ray, &way.hit, 0.0);
-        let mut next = point.spawn_ray(way.ray.dir);
-        next.tmax = way.ray.tmax - way.hit.t;
-        way.before += way.hit.t;
-        way.ray = next;
-        way.hit = scene.rays.intersect(&next);
-        way.rays += 1;
+        flight.before += flight.hit.t;
+        flight.ray = at.cross(scene, &flight.ray, &flight.hit);
+        flight.hit = scene.rays.intersect(&flight.ray);
+        flight.rays += 1;
     }
-    way.factor = Rgb::ZERO;
-    way
-}
-
-/// Where the light of shadow rays goes.
-pub(super) struct Shadows<'w> {
-    pub rays: &'w mut Vec<Ray>,
-    pub offers: &'w mut Vec<ShadowRay>,
-    pub media: &'w mut Vec<ShadowMedium>,
+    flight.factor = Rgb::ZERO;
+    flight
 }
 
 /// Lets every path of a wavefront go to its next vertex and scatter there; returns the number of
@@ -115,42 +92,42 @@ pub(super) fn advance<'s, S: Scatter<'s>>(
     context: &PathContext<'s>,
     how: &mut S,
     (radiances, first_hits): (&mut [Rgb], &mut Vec<FirstHit>),
-    (whereabouts, shadows): (&mut Vec<Whereabouts>, &mut Shadows),
+    (path_media, shadows): (&mut Vec<PathMedium>, &mut ShadowRays),
     observer: &mut impl PathObserver,
 ) -> u64 {
     let scene = context.scene;
     let mut passed = 0;
     let rays = wavefront.advance(scene, |path, ray, hit| {
         let accumulator = (*path).as_ref().accumulator as usize;
-        let mut at = whereabouts[accumulator];
+        let mut at = path_media[accumulator];
         let base = path.as_mut();
         let first = base.sampler.next4();
-        let mut numbers = NumberByNumber::new(first, base.sampler.fork(FLIGHT));
-        let way = follow(scene, (ray, hit), &mut at, &mut || numbers.draw());
-        base.throughput *= way.factor;
-        passed += way.rays;
+        let mut numbers = NumberStream::new(first, base.sampler.fork(FLIGHT));
+        let flight = sample_flight(scene, (ray, hit), &mut at, &mut || numbers.draw());
+        base.throughput *= flight.factor;
+        passed += flight.rays;
         let radiance = &mut radiances[accumulator];
-        let result = match way.collision {
+        let result = match flight.collision {
             Some(collision) => {
-                let place = (&way, collision, &at);
+                let place = (&flight, collision, &at);
                 collide(context, place, how, path, radiance, first_hits, observer)
             }
             None => {
-                if way.hit.is_some() {
-                    at.arrive(scene, &way.ray, &way.hit);
+                if flight.hit.is_some() {
+                    at.arrive(scene, &flight.ray, &flight.hit);
                 }
                 let met = Met {
-                    ray: &way.ray,
-                    hit: &way.hit,
-                    before: way.before,
+                    ray: &flight.ray,
+                    hit: &flight.hit,
+                    before: flight.before,
                     media: Some(&at),
                 };
                 bounce(context, met, how, path, radiance, first_hits, observer)
             }
         };
-        whereabouts[accumulator] = at;
+        path_media[accumulator] = at;
         if let Some(accumulators) = how.accumulators() {
-            whereabouts.resize(accumulators, at);
+            path_media.resize(accumulators, at);
         }
         if let Some((ray, shadow)) = result.shadow {
             shadows.media.push(ShadowMedium {
@@ -168,7 +145,7 @@ pub(super) fn advance<'s, S: Scatter<'s>>(
 /// Handles a collision: the path scatters by the medium's phase function.
 fn collide<'s, S: Scatter<'s>>(
     context: &PathContext<'s>,
-    (way, (distance, medium), whereabouts): (&Way, (f32, MediumId), &Whereabouts),
+    (flight, (distance, medium), around): (&FreeFlight, (f32, MediumId), &PathMedium),
     how: &mut S,
     path: &mut S::Path,
     radiance: &mut Rgb,
@@ -182,14 +159,14 @@ fn collide<'s, S: Scatter<'s>>(
         return BounceResult::default();
     };
     let base = (*path).as_ref();
-    let (wo, depth) = (-way.ray.dir, base.depth);
-    let gone = way.before + distance;
+    let (wo, depth) = (-flight.ray.dir, base.depth);
+    let gone = flight.before + distance;
     observer.arrive(base.accumulator, *radiance, gone);
     if depth + 1 >= settings.max_depth && depth > 0 {
         return BounceResult::default();
     }
     let footprint = base.cone_width + base.cone_spread * gone;
-    let point = SurfacePoint::in_volume(way.ray.at(distance), wo, footprint);
+    let point = SurfacePoint::in_volume(flight.ray.at(distance), wo, footprint);
     let albedo = medium.extinction.albedo(point.p);
     let mut bsdf = Bsdf::of_medium(medium.phase, albedo, wo);
     if depth == 0 {
@@ -207,20 +184,20 @@ fn collide<'s, S: Scatter<'s>>(
         wo,
         distance: gone,
         radiance: *radiance,
-        media: Some(whereabouts),
+        media: Some(around),
     };
     how.scatter(context, at, path, observer)
 }
 
 /// Finds which shadow rays are blocked, and attenuates what the others bring. Returns the number of
 /// rays.
-pub(super) fn cast_shadows(scene: &Scene, shadows: &mut Shadows, blocked: &mut [bool]) -> u64 {
+pub(super) fn cast_shadows(scene: &Scene, shadows: &mut ShadowRays, blocked: &mut [bool]) -> u64 {
     if !scene.media.has_index_matched {
-        scene.rays.occluded_batch(shadows.rays, blocked);
+        scene.rays.occluded_batch(&shadows.rays, blocked);
     }
     let mut traced = 0;
-    let each = shadows.rays.iter().zip(&*shadows.media);
-    for (((ray, start), offer), blocked) in each.zip(&mut *shadows.offers).zip(&mut *blocked) {
+    let each = shadows.rays.iter().zip(&shadows.media);
+    for (((ray, start), offer), blocked) in each.zip(&mut shadows.offers).zip(&mut *blocked) {
         if *blocked {
             continue;
         }
@@ -237,9 +214,9 @@ pub(super) fn cast_shadows(scene: &Scene, shadows: &mut Shadows, blocked: &mut [
 /// What comes through along a shadow ray; 0 where a surface blocks it.
 fn transmittance(scene: &Scene, ray: &Ray, start: &ShadowMedium, traced: &mut u64) -> Rgb {
     let media = &scene.media;
-    let mut numbers = NumberByNumber::from(start.sampler);
+    let mut numbers = NumberStream::from(start.sampler);
     let mut u = || numbers.draw();
-    let mut at = Whereabouts::inside(start.medium);
+    let mut at = PathMedium::inside(start.medium);
     let (mut ray, mut found) = (*ray, Rgb::ONE);
     for _ in 0..MOST_PASSED {
         let hit = match media.has_index_matched {
@@ -252,22 +229,11 @@ fn transmittance(scene: &Scene, ray: &Ray, start: &ShadowMedium, traced: &mut u6
         if hit.is_some() && !media.side(&hit).index_matched {
             return Rgb::ZERO;
         }
-        if let Some(medium) = media.list().get(at.medium(ray.dir)) {
-            let segment = Segment {
-                origin: ray.org,
-                direction: ray.dir,
-                length: length(&ray, &hit),
-            };
-            found *= medium.extinction.transmittance(&segment, &mut u);
-        }
+        found *= at.transmittance(scene, &ray, &hit, &mut u);
         if !hit.is_some() || found == Rgb::ZERO {
             return found;
         }
-        at.arrive(scene, &ray, &hit);
-        let point = scene.surfaces.point(&ray, &hit, 0.0);
-        let mut next = point.spawn_ray(ray.dir);
-        next.tmax = ray.tmax - hit.t;
-        ray = next;
+        ray = at.cross(scene, &ray, &hit);
     }
     Rgb::ZERO
 }

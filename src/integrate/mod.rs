@@ -62,6 +62,7 @@ mod media;
 mod next_event;
 pub mod observer;
 pub mod path;
+mod path_medium;
 pub mod progress;
 mod recording;
 pub mod render;
@@ -69,12 +70,12 @@ pub mod reuse;
 pub mod roulette;
 mod scatter;
 mod settings;
+mod shadows;
 mod splitting;
 mod tiles;
 pub mod training;
 mod vertex;
 pub mod wave;
-mod whereabouts;
 
 #[cfg(test)]
 mod tests;

@@ -1,7 +1,7 @@
 //! What is known at one vertex of a path.
 
 use super::guiding::GuidedVertex;
-use super::whereabouts::Whereabouts;
+use super::path_medium::PathMedium;
 use crate::bsdf::Bsdf;
 use crate::guide::LightChoice;
 use crate::math::Vec3;
@@ -16,7 +16,7 @@ pub(super) struct Vertex<'v, 's> {
     /// The field here, if one guides.
     pub guided: Option<&'v GuidedVertex<'s>>,
     /// The media around it, in scenes that have any.
-    pub media: Option<&'v Whereabouts>,
+    pub media: Option<&'v PathMedium>,
     /// Out of which clusters the light was sampled.
     pub light_choice: LightChoice,
 }

@@ -7,16 +7,16 @@ use super::guided_path::GuidedPath;
 use super::guided_scatter::GuidedOutput;
 use super::lobe_splitting;
 use super::manifold::LastRoughVertex;
-use super::media::{self, ShadowMedium};
+use super::media;
 use super::next_event::ShadowRay;
 use super::observer::PathObserver;
 use super::path::{FirstHit, Path};
+use super::path_medium::PathMedium;
 use super::recording::{Recorded, Recording};
 use super::reuse::PrefixPool;
 use super::scatter::Plain;
+use super::shadows::ShadowRays;
 use super::splitting::SplitPaths;
-use super::whereabouts::Whereabouts;
-use crate::accel::Ray;
 use crate::camera::CameraRay;
 use crate::film::Extras;
 use crate::math::{PathSampler, Rgb};
@@ -54,7 +54,7 @@ pub struct Wave {
     guided: Wavefront<GuidedPath>,
     shadows: ShadowRays,
     /// Where paths are, by accumulator, in scenes with media.
-    whereabouts: Vec<Whereabouts>,
+    path_media: Vec<PathMedium>,
     blocked: Vec<bool>,
     /// Radiance by accumulator.
     radiances: Vec<Rgb>,
@@ -169,10 +169,10 @@ impl Wave {
         let mut edges: u32 = 0;
         self.split_paths.start(self.radiances.len());
         self.rough_vertices.clear();
-        self.whereabouts.clear();
+        self.path_media.clear();
         if !context.scene.media.is_empty() {
-            let camera = Whereabouts::inside(context.scene.media.camera);
-            self.whereabouts.resize(self.radiances.len(), camera);
+            let camera = PathMedium::inside(context.scene.media.camera);
+            self.path_media.resize(self.radiances.len(), camera);
         }
         if context.guide.is_some() {
             let begin = |(path, ray)| (GuidedPath::new(path, lobe_splitting::FROM_CAMERA), ray);
@@ -210,7 +210,7 @@ impl Wave {
             context,
             &mut Plain,
             sums,
-            (&mut self.shadows, &mut self.whereabouts),
+            (&mut self.shadows, &mut self.path_media),
             observer,
         );
     }
@@ -235,7 +235,7 @@ impl Wave {
             context,
             &mut output,
             sums,
-            (&mut self.shadows, &mut self.whereabouts),
+            (&mut self.shadows, &mut self.path_media),
             observer,
         );
         self.rays_traced += rays;
@@ -258,7 +258,7 @@ impl Wave {
                 scene.rays.occluded_batch(rays, &mut self.blocked);
                 rays.len() as u64
             }
-            false => media::cast_shadows(scene, &mut self.shadows.in_media(), &mut self.blocked),
+            false => media::cast_shadows(scene, &mut self.shadows, &mut self.blocked),
         };
         let ShadowRays { rays, offers, .. } = &mut self.shadows;
         let mut blocked = self.blocked.iter();
@@ -284,25 +284,6 @@ impl Wave {
     }
 }
 
-/// The shadow rays of one bounce of all paths of a wave, and what they would bring.
-#[derive(Default)]
-struct ShadowRays {
-    rays: Vec<Ray>,
-    offers: Vec<ShadowRay>,
-    /// Where each begins, in scenes with media.
-    media: Vec<ShadowMedium>,
-}
-
-impl ShadowRays {
-    fn in_media(&mut self) -> media::Shadows<'_> {
-        media::Shadows {
-            rays: &mut self.rays,
-            offers: &mut self.offers,
-            media: &mut self.media,
-        }
-    }
-}
-
 /// Lets every path of a wavefront bounce; returns the number of rays.
 #[inline(always)]
 fn advance<'s, S: Scatter<'s>>(
@@ -310,15 +291,13 @@ fn advance<'s, S: Scatter<'s>>(
     context: &PathContext<'s>,
     how: &mut S,
     (radiances, first_hits): (&mut [Rgb], &mut Vec<FirstHit>),
-    (shadows, whereabouts): (&mut ShadowRays, &mut Vec<Whereabouts>),
+    (shadows, path_media): (&mut ShadowRays, &mut Vec<PathMedium>),
     observer: &mut impl PathObserver,
 ) -> u64 {
-    shadows.offers.clear();
-    shadows.rays.clear();
+    shadows.clear();
     if !context.scene.media.is_empty() {
-        shadows.media.clear();
         let sums = (radiances, first_hits);
-        let places = (whereabouts, &mut shadows.in_media());
+        let places = (path_media, shadows);
         return media::advance(wavefront, context, how, sums, places, observer);
     }
     wavefront.advance(context.scene, |path, ray, hit| {

@@ -20,4 +20,4 @@ pub use frame::Frame;
 pub use glam::{Affine3A, DAffine3, DMat4, DVec3, Mat3, Quat, Vec2, Vec3, Vec3A, Vec4};
 pub use rgb::{Rgb, luminance};
 pub use rng::Pcg32;
-pub use sampler::{NumberByNumber, PathSampler};
+pub use sampler::{NumberStream, PathSampler};

@@ -85,13 +85,13 @@ impl PathSampler {
 
 /// The numbers of a path one by one, where nobody knows how many it will take.
 #[derive(Clone, Copy, Debug)]
-pub struct NumberByNumber {
+pub struct NumberStream {
     sampler: PathSampler,
     block: [f32; 4],
     taken: usize,
 }
 
-impl NumberByNumber {
+impl NumberStream {
     /// Four numbers, and then those of a sampler.
     #[inline]
     pub fn new(block: [f32; 4], sampler: PathSampler) -> Self {
@@ -119,7 +119,7 @@ impl NumberByNumber {
     }
 }
 
-impl From<PathSampler> for NumberByNumber {
+impl From<PathSampler> for NumberStream {
     fn from(mut sampler: PathSampler) -> Self {
         Self::new(sampler.next4(), sampler)
     }

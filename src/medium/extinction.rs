@@ -1,7 +1,7 @@
 //! How a medium takes light out of a ray: the same everywhere, or by place.
 
 use super::grids::Heterogeneous;
-use super::{Flight, Homogeneous, Segment, Spectrum};
+use super::{ChannelWeights, Flight, Homogeneous, Segment};
 use crate::math::{Rgb, Vec3};
 use std::sync::Arc;
 
@@ -21,16 +21,12 @@ impl Extinction {
     pub fn sample(
         &self,
         segment: &Segment,
-        spectrum: &mut Spectrum,
+        weights: &mut ChannelWeights,
         u: &mut impl FnMut() -> f32,
     ) -> Flight {
-        let Segment {
-            origin,
-            direction,
-            length,
-        } = *segment;
+        let (origin, direction, length) = segment.parts();
         match self {
-            Self::Homogeneous(medium) => medium.sample(segment, spectrum, u),
+            Self::Homogeneous(medium) => medium.sample(segment, weights, u),
             Self::Heterogeneous(medium) if medium.absorbs_alone() => {
                 let depth = medium.optical_depth(origin, direction, length);
                 Flight {
@@ -39,7 +35,7 @@ impl Extinction {
                 }
             }
             Self::Heterogeneous(medium) => {
-                medium.sample(origin, direction, length, &mut spectrum.0, u)
+                medium.sample(origin, direction, length, &mut weights.0, u)
             }
         }
     }
@@ -47,11 +43,7 @@ impl Extinction {
     /// The share of light that comes through the segment: exact, or an unbiased estimate.
     #[inline]
     pub fn transmittance(&self, segment: &Segment, u: &mut impl FnMut() -> f32) -> Rgb {
-        let Segment {
-            origin,
-            direction,
-            length,
-        } = *segment;
+        let (origin, direction, length) = segment.parts();
         match self {
             Self::Homogeneous(medium) => medium.transmittance(length),
             Self::Heterogeneous(medium) => medium.transmittance(origin, direction, length, u),

@@ -1,6 +1,6 @@
 //! A medium that is the same everywhere.
 
-use super::{Flight, Segment, Spectrum};
+use super::{ChannelWeights, Flight, Segment};
 use crate::math::Rgb;
 
 /// Extinction that is the same everywhere.
@@ -42,7 +42,7 @@ impl Homogeneous {
     pub fn sample(
         &self,
         segment: &Segment,
-        spectrum: &mut Spectrum,
+        weights: &mut ChannelWeights,
         u: &mut impl FnMut() -> f32,
     ) -> Flight {
         if self.albedo == Rgb::ZERO {
@@ -51,20 +51,20 @@ impl Homogeneous {
                 collision: None,
             };
         }
-        let channel = spectrum.channel(u());
+        let channel = weights.channel(u());
         let distance = -(-u()).ln_1p() / self.extinction[channel];
         // A channel without extinction gives infinity, or no number: both come through.
         let collides = distance < segment.length;
         if !collides {
             let passed = self.transmittance(segment.length);
             return Flight {
-                factor: spectrum.update(passed, passed),
+                factor: weights.update(passed, passed),
                 collision: None,
             };
         }
         let density = self.extinction * self.transmittance(distance);
         Flight {
-            factor: spectrum.update(density * self.albedo, density),
+            factor: weights.update(density * self.albedo, density),
             collision: Some(distance),
         }
     }

@@ -5,7 +5,7 @@
 //! [`PhaseFunction`] tells where to. Shapes bound media ([`Boundary`]); a path knows in which it is.
 //!
 //! Extinction may differ by channel. A distance can only be drawn for one channel, so paths carry
-//! [`Spectrum`]: how likely each channel's sampling would have been to make the path so far. Every
+//! [`ChannelWeights`]: how likely each channel's sampling would have been to make the path so far. Every
 //! estimate is divided by the mean over the channels (spectral MIS with the balance heuristic:
 //! Miller, Georgiev and Jarosz 2019, "A null-scattering path integral formulation of light
 //! transport", section 5).
@@ -38,6 +38,17 @@ pub struct Medium {
     pub phase: PhaseFunction,
 }
 
+impl Medium {
+    /// What absorbs white light so that `color`, each channel 0 to 1, is left after a distance.
+    pub fn absorbing(name: String, color: Rgb, distance: f32) -> Self {
+        Self {
+            name,
+            extinction: Homogeneous::absorbing(color, distance).into(),
+            phase: PhaseFunction::isotropic(),
+        }
+    }
+}
+
 /// The media of a scene.
 #[derive(Clone, Debug, Default)]
 pub struct Media {
@@ -55,6 +66,14 @@ pub struct Boundary {
 }
 
 impl Boundary {
+    /// Of a body that stands in nothing.
+    pub fn in_vacuum(interior: MediumId) -> Self {
+        Self {
+            interior,
+            exterior: VACUUM,
+        }
+    }
+
     /// The medium that a ray along `dir` is in after a surface of this geometric normal.
     #[inline]
     pub fn beyond(&self, ng: Vec3, dir: Vec3) -> MediumId {
@@ -96,6 +115,14 @@ pub struct Segment {
     pub length: f32,
 }
 
+impl Segment {
+    /// Origin, direction and length.
+    #[inline]
+    fn parts(&self) -> (Vec3, Vec3, f32) {
+        (self.origin, self.direction, self.length)
+    }
+}
+
 /// What became of a path along a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flight {
@@ -108,15 +135,15 @@ pub struct Flight {
 
 /// How likely each channel's sampling would have been to make a path: relative, of mean 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spectrum(Rgb);
+pub struct ChannelWeights(Rgb);
 
-impl Default for Spectrum {
+impl Default for ChannelWeights {
     fn default() -> Self {
         Self(Rgb::ONE)
     }
 }
 
-impl Spectrum {
+impl ChannelWeights {
     /// A channel, drawn by `u`: each by how likely it made the path so far, which is the same as
     /// keeping one that was drawn at the start.
     #[inline]

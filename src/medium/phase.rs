@@ -43,7 +43,7 @@ impl PhaseLobe {
     fn sample_cosine(self, u: f32) -> f32 {
         match self {
             Self::HenyeyGreenstein(g) if g.abs() < 1e-3 => {
-                // The inverse's limit; its first order in g is (3 g / 2) (c^2 - 1) beside it.
+                // The inverse below to first order in g, where that would divide by 0.
                 let c = 2.0 * u - 1.0;
                 c + 1.5 * g * (1.0 - c * c)
             }

@@ -85,10 +85,10 @@ fn light_of_all_channels_comes_through() {
     let samples = 400_000;
     let (mut passed, mut scattered) = ([[0.0f64; 2]; 3], [[0.0f64; 2]; 3]);
     for _ in 0..samples {
-        let mut spectrum = Spectrum::default();
+        let mut weights = ChannelWeights::default();
         let mut u = || rng.next_f32();
-        let first = fog.extinction.sample(&segment(0.4), &mut spectrum, &mut u);
-        let second = fog.extinction.sample(&segment(0.6), &mut spectrum, &mut u);
+        let first = fog.extinction.sample(&segment(0.4), &mut weights, &mut u);
+        let second = fog.extinction.sample(&segment(0.6), &mut weights, &mut u);
         for c in 0..3 {
             let (a, b) = (f64::from(first.factor[c]), f64::from(second.factor[c]));
             if first.collision.is_some() {
@@ -129,13 +129,13 @@ fn check([sum, squares]: [f64; 2], samples: u32, expected: f64, what: &str) {
 #[test]
 fn what_only_absorbs_is_exact() {
     let glass = medium(Rgb::new(0.0, 1.0, 1e6), Rgb::ZERO);
-    let mut spectrum = Spectrum::default();
+    let mut weights = ChannelWeights::default();
     let flight = glass
         .extinction
-        .sample(&segment(2.0), &mut spectrum, &mut || unreachable!());
+        .sample(&segment(2.0), &mut weights, &mut || unreachable!());
     assert_eq!(flight.collision, None);
     assert_eq!(flight.factor, Rgb::new(1.0, (-2.0f32).exp(), 0.0));
-    assert_eq!(spectrum, Spectrum::default());
+    assert_eq!(weights, ChannelWeights::default());
 }
 
 #[test]
@@ -151,10 +151,10 @@ fn extremes_neither_hang_nor_lose_light() {
             let fog = medium(Rgb::new(density, 0.0, density), Rgb::ONE);
             let mut total = Rgb::ZERO;
             for _ in 0..1000 {
-                let mut spectrum = Spectrum::default();
+                let mut weights = ChannelWeights::default();
                 let flight = fog
                     .extinction
-                    .sample(&segment(length), &mut spectrum, &mut || rng.next_f32());
+                    .sample(&segment(length), &mut weights, &mut || rng.next_f32());
                 assert!(flight.factor.is_finite() && flight.factor.min_element() >= 0.0);
                 total += flight.factor / 1000.0;
             }

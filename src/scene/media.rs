@@ -1,7 +1,7 @@
 //! The media of a scene, and the surfaces between them.
 
 use super::description::Shape;
-use crate::accel::{Hit, Ray};
+use crate::accel::Hit;
 use crate::bsdf::Materials;
 use crate::medium::{Boundary, Media, MediumId};
 
@@ -67,10 +67,4 @@ impl SceneMedia {
     pub fn side(&self, hit: &Hit) -> Side {
         self.sides[hit.shape as usize]
     }
-}
-
-/// The part of a ray that a hit ends, or its own end.
-#[inline]
-pub fn length(ray: &Ray, hit: &Hit) -> f32 {
-    if hit.is_some() { hit.t } else { ray.tmax }
 }

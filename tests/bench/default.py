@@ -25,20 +25,15 @@ import subprocess
 import tempfile
 
 import numpy as np
-import OpenImageIO as oiio
 
 import trivial
+from regret import pixels
 from variance import blocks
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 OWN = [ROOT / "scenes" / n / f"{n}.xml" for n in ["caustic", "cornell", "door", "furnace", "materials", "pool"]]
 WAYS = {"none": ["--guide", "none"], "default": []}
 COLUMNS = ["pixels", "trimmed", "4 x 4", "16 x 16", "denoised"]
-
-
-def pixels(path):
-    """An image's first three channels."""
-    return np.asarray(oiio.ImageBuf(str(path)).get_pixels(oiio.FLOAT), np.float64)[..., :3]
 
 
 def processor_seconds(command):
@@ -60,7 +55,8 @@ def render(args, scene, out, spp, seed, more):
 def relmse(image, first, second):
     """Without what the references have of their own, and the same without the worst thousandth."""
     error = ((image - first) * (image - second) / (first * second + 0.01)).mean(axis=2).ravel()
-    size = ((image - (first + second) / 2) ** 2).mean(axis=2).ravel() / (np.square((first + second) / 2).mean(axis=2).ravel() + 0.01)
+    mean = (first + second) / 2
+    size = (np.square(image - mean).mean(axis=2) / (np.square(mean).mean(axis=2) + 0.01)).ravel()
     kept = np.argsort(size)[: int(0.999 * error.size)]
     return error.mean(), error[kept].mean()
 

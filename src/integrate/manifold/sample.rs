@@ -7,12 +7,12 @@ use super::receiver::Receiver;
 use crate::accel::{Hit, Ray};
 use crate::bsdf::Transport;
 use crate::integrate::context::PathContext;
+use crate::integrate::path_medium::PathMedium;
 use crate::integrate::vertex::Vertex;
-use crate::integrate::whereabouts::Whereabouts;
 use crate::light::{CausticEmitter, LightSource, Shining};
 use crate::math::frame::normals_disagree;
 use crate::math::mis::power_heuristic;
-use crate::math::{NumberByNumber, PathSampler, Rgb, Vec2};
+use crate::math::{NumberStream, PathSampler, Rgb, Vec2};
 use crate::scene::Scene;
 
 /// What is to be sampled.
@@ -111,12 +111,12 @@ impl SpecularChains {
         }
         *rays += guess.chain.len() + 1;
         let chain = (guess.chain, request.cone);
-        let mut passage = Passage::new(request);
-        let mut seen = |ray: &Ray, hit: &Hit| passage.pass(scene, ray, hit);
+        let mut passed = ChainTransmittance::new(request);
+        let mut seen = |ray: &Ray, hit: &Hit| passed.pass(scene, ray, hit);
         let arrived = follow(scene, receiver.ray(dir), chain, strict, &mut seen)?;
         let (light, from, hit) = shining(scene, caustic_emitter, &arrived)?;
-        passage.pass(scene, &arrived.ray, &hit);
-        let radiance = f * (arrived.weight * passage.transmittance * light);
+        passed.pass(scene, &arrived.ray, &hit);
+        let radiance = f * (arrived.weight * passed.transmittance * light);
         Some(FoundLight {
             radiance,
             pdf,
@@ -128,13 +128,13 @@ impl SpecularChains {
 }
 
 /// What the media along a chain let through.
-struct Passage {
-    at: Option<Whereabouts>,
+struct ChainTransmittance {
+    at: Option<PathMedium>,
     transmittance: Rgb,
-    numbers: NumberByNumber,
+    numbers: NumberStream,
 }
 
-impl Passage {
+impl ChainTransmittance {
     fn new(request: &Request) -> Self {
         Self {
             at: request.vertex.media.copied(),

@@ -41,6 +41,8 @@ pub struct Heterogeneous {
     density: Grid,
     scale: f64,
     albedo: Albedo,
+    /// Nothing is scattered anywhere.
+    absorbs_alone: bool,
     majorants: Majorants,
 }
 
@@ -62,7 +64,12 @@ impl Heterogeneous {
         if let Some(value) = wrong {
             return Err(MediumError::Albedo(value));
         }
+        let absorbs_alone = match &albedo {
+            Albedo::Constant(rgb) => *rgb == Rgb::ZERO,
+            Albedo::Grid(grid) => grid.values().iter().all(|a| *a == 0.0),
+        };
         Ok(Self {
+            absorbs_alone,
             majorants: Majorants::new(&density),
             scale: f64::from(scale),
             density,
@@ -86,10 +93,7 @@ impl Heterogeneous {
 
     /// Whether nothing is scattered anywhere.
     pub fn absorbs_alone(&self) -> bool {
-        match &self.albedo {
-            Albedo::Constant(rgb) => *rgb == Rgb::ZERO,
-            Albedo::Grid(grid) => grid.values().iter().all(|a| *a == 0.0),
-        }
+        self.absorbs_alone
     }
 
     /// All its grids.

@@ -5,7 +5,7 @@ use super::extension::Extension;
 use super::materials::name_of;
 use super::schema;
 use crate::math::Rgb;
-use crate::medium::{Boundary, Homogeneous, Medium, PhaseFunction, VACUUM};
+use crate::medium::{Boundary, Medium};
 
 fn extension(material: &schema::Material) -> Option<Extension<'_>> {
     Extension::of(&material.extensions, "KHR_materials_volume")
@@ -17,13 +17,13 @@ pub(super) fn thickness(material: &schema::Material) -> f32 {
     extension(material).map_or(0.0, |volume| volume.number("thicknessFactor", 0.0))
 }
 
-/// Light of the attenuation colour is left after the attenuation distance. `None` where all is.
-fn absorbing(material: &schema::Material) -> Option<Homogeneous> {
+/// The colour that light is left in, and after which distance. `None` where nothing is absorbed.
+fn attenuation(material: &schema::Material) -> Option<(Rgb, f32)> {
     let volume = extension(material)?;
     let color = volume.color("attenuationColor", Rgb::ONE);
     let distance = volume.number("attenuationDistance", f32::INFINITY);
     let absorbs = color != Rgb::ONE && distance > 0.0 && distance.is_finite();
-    absorbs.then(|| Homogeneous::absorbing(color, distance))
+    absorbs.then_some((color, distance))
 }
 
 impl Importer<'_> {
@@ -39,19 +39,13 @@ impl Importer<'_> {
         if opaque || thickness(material) <= 0.0 {
             return None;
         }
-        let extinction = absorbing(material)?;
+        let (color, distance) = attenuation(material)?;
         let name = name_of(material, Some(index));
         let list = &mut self.parts.media;
-        let interior = *self.media.entry(index).or_insert_with(|| {
-            list.push(Medium {
-                name,
-                extinction: extinction.into(),
-                phase: PhaseFunction::isotropic(),
-            })
-        });
-        Some(Boundary {
-            interior,
-            exterior: VACUUM,
-        })
+        let interior = *self
+            .media
+            .entry(index)
+            .or_insert_with(|| list.push(Medium::absorbing(name, color, distance)));
+        Some(Boundary::in_vacuum(interior))
     }
 }

@@ -1,4 +1,4 @@
-//! Participating media and their phase functions.
+//! Participating media.
 
 use super::importer::Importer;
 use super::params::Params;
@@ -6,9 +6,7 @@ use super::role::Role;
 use super::value::Value;
 use crate::math::{Affine3A, DAffine3, Rgb};
 use crate::medium::grids::{Albedo, Filter, Grid, Heterogeneous, Lookup, Vol, Wrap};
-use crate::medium::{
-    Boundary, Extinction, Homogeneous, Medium, MediumId, PhaseFunction, PhaseLobe, VACUUM,
-};
+use crate::medium::{Boundary, Extinction, Homogeneous, Medium, MediumId, PhaseFunction, VACUUM};
 use crate::scene::import::ImportError;
 
 /// Values over space.
@@ -16,9 +14,6 @@ enum Volume {
     Constant(Rgb),
     Grid(Grid),
 }
-
-/// Blends of phase functions inside of blends.
-const MOST_NESTED: u32 = 8;
 
 impl<'a> Importer<'a> {
     /// The media inside and outside of a shape; `None` if it names neither.
@@ -74,7 +69,7 @@ impl<'a> Importer<'a> {
         ]);
         let extinction = self.extinction(&p)?;
         let phase = match p.child("phase")? {
-            Some(phase) => self.phase(phase, 0),
+            Some(phase) => self.phase(phase),
             None => PhaseFunction::isotropic(),
         };
         let name = self.name_of(index, p.plugin());
@@ -223,47 +218,5 @@ impl<'a> Importer<'a> {
         };
         let place = Affine3A::from_cols_array(&place.to_cols_array().map(|x| x as f32));
         Grid::from_vol(vol, place, lookup).map_err(|why| self.document.error(at, why.to_string()))
-    }
-
-    fn phase(&mut self, index: usize, nested: u32) -> PhaseFunction {
-        let made = self.make_phase(index, nested);
-        let isotropic = |_: &mut Self| PhaseFunction::isotropic();
-        self.or_instead(index, made, "an isotropic one takes its place", isotropic)
-    }
-
-    fn make_phase(&mut self, index: usize, nested: u32) -> Result<PhaseFunction, ImportError> {
-        let p = Params::new(self.document, index);
-        let phase = match p.plugin() {
-            "isotropic" => PhaseFunction::isotropic(),
-            "hg" => {
-                let g = p.float_in("g", 0.8, -1.0..=1.0) as f32;
-                PhaseLobe::henyey_greenstein(g).into()
-            }
-            "rayleigh" => PhaseLobe::Rayleigh.into(),
-            "blendphase" if nested >= MOST_NESTED => {
-                return Err(p.error("phase functions hold each other too often"));
-            }
-            "blendphase" => {
-                let weight = p.float_in("weight", 0.5, 0.0..=1.0) as f32;
-                let [(_, first), (_, second)] = p.children("phase")[..] else {
-                    return Err(p.error("a blend is of two phase functions"));
-                };
-                let (first, second) = (
-                    self.phase(first, nested + 1),
-                    self.phase(second, nested + 1),
-                );
-                let blend = PhaseFunction::blend(&first, &second, weight);
-                blend.map_err(|why| p.error(why))?
-            }
-            plugin => {
-                let message = format!(
-                    "phase function \"{plugin}\" is not read: \
-                     isotropic, hg, rayleigh and blendphase are"
-                );
-                return Err(p.error(message));
-            }
-        };
-        self.done(&p);
-        Ok(phase)
     }
 }

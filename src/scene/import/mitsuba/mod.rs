@@ -33,6 +33,7 @@ mod names;
 mod origin;
 mod params;
 mod pending;
+mod phases;
 mod reader;
 mod references;
 mod role;

@@ -8,7 +8,7 @@ use crate::bsdf::material::{
 };
 use crate::bsdf::{Material, MaterialId, Materials};
 use crate::math::Rgb;
-use crate::medium::{Boundary, Homogeneous, Media, Medium, PhaseFunction, VACUUM};
+use crate::medium::{Boundary, Media, Medium};
 use crate::scene::import::ior;
 use crate::texture::Texture;
 use std::str::FromStr;
@@ -107,16 +107,8 @@ impl Paint {
     /// What a closed body painted so encloses: `None` if nothing.
     pub fn boundary(&self, media: &mut Media) -> Option<Boundary> {
         let (color, distance) = (self.color?, self.distance?);
-        let inside = Homogeneous::absorbing(color, distance);
-        let interior = media.push(Medium {
-            name: self.name.clone(),
-            extinction: inside.into(),
-            phase: PhaseFunction::isotropic(),
-        });
-        Some(Boundary {
-            interior,
-            exterior: VACUUM,
-        })
+        let inside = Medium::absorbing(self.name.clone(), color, distance);
+        Some(Boundary::in_vacuum(media.push(inside)))
     }
 }
 
