@@ -6,6 +6,7 @@
 
 use super::bytes::{Reader, Writer};
 use super::links::{Product, Split};
+use super::measure::Measure;
 use super::settings::{GuideError, Settings};
 use super::space::Space;
 use super::tally::{Flux, Tally};
@@ -15,8 +16,7 @@ use crate::math::sum::SumUnit;
 /// Appends the trees.
 pub(super) fn write_body(t: &Trainer, w: &mut Writer) {
     write_counters(t, w);
-    write_keys(&t.space.points, w);
-    w.f64(t.space.total_area);
+    write_measure(&t.space.measure, t.settings.media, w);
     write_keys(&t.space.seen, w);
     w.u8(t.space.seen_level);
     let shape = t.product.preorder();
@@ -72,6 +72,33 @@ fn write_keys(keys: &[u64], w: &mut Writer) {
     }
 }
 
+/// Points and what they stand for: of media only where the field has them.
+fn write_measure(measure: &Measure, media: bool, w: &mut Writer) {
+    write_keys(&measure.keys, w);
+    w.f64(measure.area);
+    if media {
+        w.varint(measure.on_surfaces as u128);
+        w.f64(measure.cross_section);
+    }
+}
+
+fn read_measure(media: bool, r: &mut Reader) -> Option<Measure> {
+    let keys = read_keys(r)?;
+    let area = r.f64()?;
+    let (on_surfaces, cross_section) = match media {
+        true => (r.small::<u64>()? as usize, r.f64()?),
+        false => (keys.len(), 0.0),
+    };
+    let known = |total: f64| total.is_finite() && total >= 0.0;
+    let fits = on_surfaces <= keys.len() && known(area) && known(cross_section);
+    fits.then_some(Measure {
+        keys,
+        on_surfaces,
+        area,
+        cross_section,
+    })
+}
+
 /// Reads the trees; `None` where the content does not fit together.
 ///
 /// # Errors
@@ -95,11 +122,7 @@ fn fill(t: &mut Trainer, r: &mut Reader) -> Option<()> {
     };
     t.photon_unit = read_unit(r)?;
     t.path_unit = read_unit(r)?;
-    t.space.points = read_keys(r)?;
-    t.space.total_area = r.f64()?;
-    if !(t.space.total_area.is_finite() && t.space.total_area >= 0.0) {
-        return None;
-    }
+    t.space.measure = read_measure(t.settings.media, r)?;
     t.space.seen = read_keys(r)?;
     t.space.seen_level = r.u8()?;
     read_shape(t, r)?;

@@ -83,7 +83,7 @@ impl Trainer {
         let mut found: BTreeMap<(u8, u64), Neighbourhood> = BTreeMap::new();
         for (place, &l) in order.iter().enumerate() {
             let node = node(l);
-            let top = grid.normal_levels().min(node.level);
+            let top = grid.side_levels().min(node.level);
             let level = node.level.saturating_sub(LEVELS_UP).max(top);
             let learning = &mut found.entry(within(node, level)).or_default().learning;
             learning.push(place as u32);

@@ -40,7 +40,7 @@ fn with_neighbours(grid: &Grid, keys: &[u64], level: u8) -> Vec<u64> {
         return Vec::new();
     }
     let shift = grid.shift(level - 1);
-    let spatial = u32::from(level - grid.normal_levels());
+    let spatial = u32::from(level - grid.side_levels());
     let mut cells = Vec::new();
     for run in keys.chunk_by(|a, b| a >> shift == b >> shift) {
         let side = run[0] >> (3 * AXIS_BITS) << (3 * AXIS_BITS);

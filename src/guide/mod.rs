@@ -89,6 +89,10 @@
 //!   those whose centre lies below. [`Product::Cosine`] multiplies by the cosine once more;
 //!   [`Target::Radiance`] trains on radiance. [`Settings::normal_split`] first divides R by the
 //!   octant of the surface normal, which keeps the sides of thin walls apart.
+//! * **Media.** Photons collide in a medium as they land on a surface; there is no normal and no
+//!   cosine. A medium's A(r) is its extinction cross-section, the integral of sigma_t over its
+//!   volume, from points spread as sigma_t is: so F is the fluence. With [`Settings::media`] R's
+//!   first level tells media from surfaces: a wall beside fog is not blurred by it.
 //! * **Colour.** Links and cells keep RGB sums; a query weights the channels by its path's
 //!   throughput at every choice, in `sample` and `pdf` alike.
 //! * **The model.** [`ModelKind::Constant`] is the paper's. [`ModelKind::Gauss`] and
@@ -142,6 +146,7 @@ mod light_chance;
 mod light_clusters;
 mod link_index;
 mod links;
+mod measure;
 mod merge;
 mod model;
 pub mod ppg;
@@ -154,6 +159,7 @@ mod refine;
 mod replay;
 mod sample_ranges;
 mod settings;
+mod sides;
 mod space;
 mod stats;
 mod tally;

@@ -31,7 +31,7 @@ impl Intake<'_> {
     pub fn photon(&self, p: &Photon) -> Result<Deposit, Dropped> {
         let scale = match self.settings.target {
             Target::Flux => 1.0,
-            Target::Radiance => 1.0 / p.normal.dot(p.direction).abs().clamp(MIN_COSINE, 1.0),
+            Target::Radiance => 1.0 / cosine(p.normal, p.direction).clamp(MIN_COSINE, 1.0),
         };
         self.deposit(
             p.position,
@@ -47,7 +47,7 @@ impl Intake<'_> {
             return Err(Dropped::NonFinite);
         }
         let cosine = match self.settings.target {
-            Target::Flux => s.normal.dot(s.direction).abs(),
+            Target::Flux => cosine(s.normal, s.direction),
             Target::Radiance => 1.0,
         };
         let value = s.radiance * (cosine / s.pdf);
@@ -89,6 +89,14 @@ impl Intake<'_> {
             units,
             table: dither(units * TABLE_QUANTA, position, direction),
         })
+    }
+}
+
+/// How much a surface of this normal sees of light from a direction; 1 in a medium.
+fn cosine(normal: Vec3, direction: Vec3) -> f32 {
+    match normal == Vec3::ZERO {
+        true => 1.0,
+        false => normal.dot(direction).abs(),
     }
 }
 

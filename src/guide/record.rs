@@ -2,7 +2,7 @@
 
 use crate::math::{Rgb, Vec3};
 
-/// Light that landed on a surface.
+/// Light that landed on a surface, or collided in a medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Photon {
     /// Where it landed.
@@ -13,7 +13,7 @@ pub struct Photon {
     pub power: Rgb,
     /// Distance to where the light left a surface or emitter; infinite for environments.
     pub distance: f32,
-    /// Unit shading normal where it landed (either orientation).
+    /// Unit shading normal where it landed (either orientation); zero in a medium.
     pub normal: Vec3,
 }
 
@@ -31,18 +31,28 @@ pub struct PathSample {
     pub pdf: f32,
     /// Distance to the next vertex along the direction.
     pub distance: f32,
-    /// Unit shading normal at the vertex.
+    /// Unit shading normal at the vertex; zero in a medium.
     pub normal: Vec3,
 }
 
 /// A point on a surface: spread uniformly by area to measure A(r), or where a camera path met a
-/// surface to mark what the image needs.
+/// surface (or collided in a medium) to mark what the image needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfacePoint {
     /// The point.
     pub position: Vec3,
-    /// Unit normal there; only used when R is split by normals.
+    /// Unit normal there, or zero in a medium; only used when R tells sides apart.
     pub normal: Vec3,
+}
+
+impl SurfacePoint {
+    /// A point that is on none.
+    pub fn in_medium(position: Vec3) -> Self {
+        Self {
+            position,
+            normal: Vec3::ZERO,
+        }
+    }
 }
 
 /// Where a record came from.

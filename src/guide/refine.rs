@@ -257,7 +257,7 @@ impl Trainer {
 
     fn can_split_space(&self, space: &Space, r: u32) -> bool {
         space.nodes[r as usize].level < space.grid.max_level
-            && (space.points.is_empty()
+            && (space.measure.keys.is_empty()
                 || space.point_count(r) >= self.settings.min_points as usize)
     }
 

@@ -80,6 +80,10 @@ pub struct Settings {
     pub model: ModelKind,
     /// Split R by the octant of the surface normal before space.
     pub normal_split: bool,
+    /// Records may lie in media: these get a cell of their own beside six for normals. Only with
+    /// [`Settings::normal_split`].
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub media: bool,
     /// Seed of whoever makes the records; kept in the file, shards of one field share it.
     pub seed: u64,
     /// Identity of the scene; files of another scene are refused on merge.
@@ -120,6 +124,7 @@ impl Settings {
             product: Product::Horizon,
             model: ModelKind::default(),
             normal_split: false,
+            media: false,
             seed: 0,
             scene_hash: 0,
         }
@@ -142,6 +147,9 @@ impl Settings {
         }
         if self.max_space_level > 20 || self.max_direction_level > 10 {
             return fail("max_space_level is at most 20, max_direction_level at most 10");
+        }
+        if self.media && !self.normal_split {
+            return fail("a field of media must be split by normals");
         }
         if !(self.defensive > 0.0 && self.defensive <= 1.0) {
             return fail("defensive must lie in (0, 1]");

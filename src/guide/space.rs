@@ -1,7 +1,9 @@
-//! R: the octree over space, and how much surface lies in each of its cells.
+//! R: the octree over space.
 
+use super::measure::Measure;
 use super::record::SurfacePoint;
 use super::settings::Settings;
+use super::sides::Sides;
 use crate::math::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -10,15 +12,15 @@ pub(crate) const AXIS_BITS: u32 = 20;
 
 /// Turns positions into keys: 20 bits an axis, interleaved, so that the cell of level `l` is named
 /// by the upper `3 l` bits. Computed in `f64` from the corner, so that cells are exact far from the
-/// origin; positions outside are clamped to the boundary. With the split by normals three more bits
-/// on top hold the normal's octant, and level 0 divides normals instead of space.
+/// origin; positions outside are clamped to the boundary. Where sides are told apart three more bits
+/// on top hold the cell of the side, and level 0 divides sides instead of space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Grid {
     min: DVec3,
     extent: f64,
     inverse: f64,
-    normal_split: bool,
-    /// Deepest level of R, including the one for normals.
+    sides: Sides,
+    /// Deepest level of R, including the one for sides.
     pub max_level: u8,
 }
 
@@ -32,12 +34,13 @@ impl Grid {
         let ulp = largest * f64::from(f32::EPSILON);
         let usable = (extent / (64.0 * ulp).max(1e-300)).log2().floor();
         let levels = usable.clamp(0.0, f64::from(settings.max_space_level)) as u8;
+        let sides = Sides::of(settings);
         Self {
             min,
             extent,
             inverse: 1.0 / extent,
-            normal_split: settings.normal_split,
-            max_level: levels + u8::from(settings.normal_split),
+            sides,
+            max_level: levels + sides.levels(),
         }
     }
 
@@ -48,17 +51,13 @@ impl Grid {
         // The cast saturates below and maps NaN to 0.
         let axis = |v: f64| spread((v as u64).min((1 << AXIS_BITS) - 1));
         let key = axis(q.x) | (axis(q.y) << 1) | (axis(q.z) << 2);
-        if self.normal_split {
-            key | (normal_octant(normal) << (3 * AXIS_BITS))
-        } else {
-            key
-        }
+        key | (self.sides.cell(normal) << (3 * AXIS_BITS))
     }
 
     /// The shift that brings the three bits of level `level` to the bottom.
     #[inline]
     pub fn shift(&self, level: u8) -> u32 {
-        let top = if self.normal_split { 60 } else { 57 };
+        let top = 57 + 3 * u32::from(self.sides.levels());
         top - (3 * u32::from(level)).min(top)
     }
 
@@ -68,14 +67,14 @@ impl Grid {
         ((key >> self.shift(level)) & 7) as u32
     }
 
-    /// Levels that divide normals.
-    pub fn normal_levels(&self) -> u8 {
-        u8::from(self.normal_split)
+    /// Levels that divide sides.
+    pub fn side_levels(&self) -> u8 {
+        self.sides.levels()
     }
 
     /// Side length of a cell, in scene units.
     fn size(&self, level: u8) -> f64 {
-        let spatial = level.saturating_sub(u8::from(self.normal_split));
+        let spatial = level.saturating_sub(self.sides.levels());
         self.extent / (1u64 << spatial) as f64
     }
 
@@ -86,33 +85,6 @@ impl Grid {
         let k = node.prefix;
         (self.min + DVec3::new(axis(k), axis(k >> 1), axis(k >> 2))).as_vec3()
     }
-}
-
-/// Octants of a turned frame in which the six axis directions lie inside octants, 19 degrees or
-/// more from a boundary: walls along the axes would otherwise flip by rounding.
-#[inline]
-pub(crate) fn normal_octant(n: Vec3) -> u64 {
-    let below = |axis: usize| u64::from(OCTANT_AXES[axis].dot(n) < 0.0) << axis;
-    below(0) | below(1) | below(2)
-}
-
-/// The frame's axes, three units long.
-const OCTANT_AXES: [Vec3; 3] = [
-    Vec3::new(2.0, 1.0, -2.0),
-    Vec3::new(2.0, -2.0, 1.0),
-    Vec3::new(1.0, 2.0, 2.0),
-];
-
-/// The unit vector in the middle of an octant of normals.
-fn octant_middle(octant: u64) -> Vec3 {
-    let signed = |i: usize| {
-        if octant >> i & 1 == 0 {
-            OCTANT_AXES[i]
-        } else {
-            -OCTANT_AXES[i]
-        }
-    };
-    (signed(0) + signed(1) + signed(2)).normalize()
 }
 
 #[inline]
@@ -152,10 +124,8 @@ pub(crate) struct SpaceNode {
 pub(crate) struct Space {
     pub grid: Grid,
     pub nodes: Vec<SpaceNode>,
-    /// Keys of points spread uniformly over the surfaces, sorted: any cell's points are one range.
-    pub points: Vec<u64>,
-    /// The surface area that all points together stand for.
-    pub total_area: f64,
+    /// How much surface and medium lies where.
+    pub measure: Measure,
     /// Keys of positions that camera paths met, sorted; empty: everything matters.
     pub seen: Vec<u64>,
     /// They are cells of this level, and tell nothing of what lies deeper.
@@ -173,8 +143,7 @@ impl Space {
                 visits_before: 0,
                 visits: [0; 8],
             }],
-            points: Vec::new(),
-            total_area: 0.0,
+            measure: Measure::default(),
             seen: Vec::new(),
             seen_level: 0,
         }
@@ -202,37 +171,37 @@ impl Space {
     }
 
     pub fn point_count(&self, node: u32) -> usize {
-        self.range(node, &self.points).len()
+        self.range(node, &self.measure.keys).len()
     }
 
-    /// A(r): surface area inside the node. A cell without a point gets half a point's area: light
-    /// was met there, so some surface is. Without any points a cell counts as its face, size^2.
+    /// A(r): what lies inside the node (see [`super::measure`]). Without any points a cell counts as
+    /// its face, size^2.
     pub fn area(&self, node: u32) -> f64 {
         let n = &self.nodes[node as usize];
-        if self.points.is_empty() {
+        if self.measure.keys.is_empty() {
             let size = self.grid.size(n.level);
             return size * size;
         }
-        let count = self.point_count(node) as f64;
-        count.max(0.5) / self.points.len() as f64 * self.total_area
+        let range = self.range(node, &self.measure.keys);
+        self.measure.at_least_half(n, range)
     }
 
-    /// Areas of a node's octants, whether or not it has been split.
+    /// The same of a node's octants, whether or not it has been split.
     pub fn octant_areas(&self, node: u32) -> [f64; 8] {
-        if self.points.is_empty() {
+        if self.measure.keys.is_empty() {
             return [0.25 * self.area(node); 8];
         }
         let n = &self.nodes[node as usize];
-        let keys = &self.points[self.range(node, &self.points)];
-        let per_point = self.total_area / self.points.len() as f64;
+        let range = self.range(node, &self.measure.keys);
+        let keys = &self.measure.keys[range.clone()];
         let shift = self.grid.shift(n.level);
         let mut low = 0;
         std::array::from_fn(|i| {
             let end = n.prefix.saturating_add((i as u64 + 1) << shift);
             let high = keys.partition_point(|&k| k < end);
-            let count = high - low;
+            let octant = range.start + low..range.start + high;
             low = high;
-            count as f64 * per_point
+            self.measure.of(octant)
         })
     }
 
@@ -292,14 +261,14 @@ impl Space {
         1 + self.nodes.len() / 8 * 7
     }
 
-    /// The middle of the octant that the normals of a node point into; z for the root, and where
-    /// normals are not told apart.
+    /// The direction that surfaces of a node face; z for the root, for media, and where sides are
+    /// not told apart.
     pub fn side(&self, node: u32) -> Vec3 {
         let node = &self.nodes[node as usize];
-        if self.grid.normal_levels() == 0 || node.level == 0 {
-            return Vec3::Z;
+        match node.level {
+            0 => Vec3::Z,
+            _ => self.grid.sides.middle(node.prefix >> (3 * AXIS_BITS)),
         }
-        octant_middle(node.prefix >> (3 * AXIS_BITS))
     }
 
     pub fn centre(&self, node: u32) -> Vec3 {

@@ -7,8 +7,8 @@ use super::record::{Deposit, Origin, SurfacePoint};
 use super::settings::{GuideError, Settings, Source};
 use super::space::{Grid, Space};
 use super::tally::{Table, Tally, apportion};
-use crate::math::Frame;
 use crate::math::sum::SumUnit;
+use crate::math::{Frame, Vec3};
 
 /// What came in so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
@@ -57,7 +57,7 @@ pub struct Trainer {
 }
 
 impl Trainer {
-    /// *Build*: the shallow hierarchies. R is one cell (eight, when split by normals), Q is cut to
+    /// *Build*: the shallow hierarchies. R is one cell (eight, where sides are told apart), Q is cut to
     /// the model's base level.
     ///
     /// # Errors
@@ -123,12 +123,17 @@ impl Trainer {
     /// A field split by normals tells the sides of a surface apart: give it a point for each side
     /// that light can reach, and count the area of both.
     pub fn set_surface(&mut self, points: &[SurfacePoint], total_area: f64) {
-        self.space.points = self.space.keys(points);
-        self.space.total_area = if total_area > 0.0 && total_area.is_finite() {
-            total_area
-        } else {
-            1.0
-        };
+        let keys = self.space.keys(points);
+        self.space.measure.set_surfaces(keys, total_area);
+    }
+
+    /// Gives points spread through all media as their extinction sigma_t is, which together stand
+    /// for the integral of sigma_t over the volume, an area. Replaces earlier ones.
+    pub fn set_media(&mut self, points: &[Vec3], cross_section: f64) {
+        let points: Vec<SurfacePoint> =
+            points.iter().map(|&p| SurfacePoint::in_medium(p)).collect();
+        let keys = self.space.keys(&points);
+        self.space.measure.set_media(keys, cross_section);
     }
 
     /// Adds records to their links, in the `order` that [`Trainer::descend`] gave.

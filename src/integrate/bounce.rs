@@ -6,11 +6,11 @@ use super::features;
 use super::next_event::ShadowRay;
 use super::observer::PathObserver;
 use super::path::{FirstHit, Path};
-use super::path_medium::PathMedium;
 use crate::accel::{Hit, Ray};
 use crate::bsdf::Bsdf;
 use crate::light::{LightSource, Shining};
 use crate::math::{Rgb, Vec3};
+use crate::scene::path_medium::PathMedium;
 use crate::texture::SurfacePoint;
 
 /// How a path goes on.

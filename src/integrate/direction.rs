@@ -1,6 +1,6 @@
 //! How a path leaves a vertex: the ray along the sampled direction, and what is recorded of it.
 
-use super::guiding::{GuidedVertex, is_guidable};
+use super::guiding::{GuidedVertex, is_guidable, side};
 use super::observer::{Departure, PathObserver, SampledDirection};
 use super::path::{Arrival, Path};
 use super::settings::PathSettings;
@@ -74,7 +74,7 @@ pub(super) fn record_departure(
     let single = vertex.guided.filter(|_| whole);
     let departure = Departure {
         position: vertex.point.p,
-        normal: vertex.point.facing(vertex.wo),
+        normal: side(vertex.point, vertex.bsdf, vertex.wo),
         arrival: *arrival,
         light_probability: single.map(GuidedVertex::light_probability),
         light_choice: vertex.light_choice,

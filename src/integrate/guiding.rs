@@ -111,7 +111,8 @@ pub struct GuidedVertex<'a> {
     /// How often to draw from it, and how often to sample a light.
     chances: Chances,
     irradiance: Rgb,
-    /// Radiance that the surface is expected to reflect, where it is matt.
+    /// Radiance that the surface is expected to reflect, where it is matt, or the medium to
+    /// scatter.
     reflected: Option<Rgb>,
     /// The lobes that are sampled here: all, or all but a delta lobe.
     lobes: Rest,
@@ -119,14 +120,21 @@ pub struct GuidedVertex<'a> {
     light_factors: Option<&'a ClusterFactors>,
 }
 
-/// Whether a field could serve a material at all: some lobe is smooth and none too narrow. What is
-/// learned of surfaces says nothing of the medium beside them.
+/// Whether a field could serve a material or a medium at all: some lobe is smooth and none too
+/// narrow.
 #[inline]
 pub fn is_guidable(bsdf: &Bsdf) -> bool {
-    let flags = bsdf.flags();
-    flags.has(LobeFlags::SMOOTH)
-        && !flags.has(LobeFlags::VOLUME)
-        && bsdf.roughness() >= MIN_ROUGHNESS
+    bsdf.flags().has(LobeFlags::SMOOTH) && bsdf.roughness() >= MIN_ROUGHNESS
+}
+
+/// The side of a surface that a path comes from, as fields tell sides apart: the shading normal
+/// there, or zero at a collision in a medium.
+#[inline]
+pub(super) fn side(point: &SurfacePoint, bsdf: &Bsdf, wo: Vec3) -> Vec3 {
+    match bsdf.flags().has(LobeFlags::VOLUME) {
+        true => Vec3::ZERO,
+        false => point.facing(wo),
+    }
 }
 
 /// Whether what a surface reflects by these lobes follows from the irradiance. A floor of roughness
@@ -234,6 +242,8 @@ impl<'a> Guidance<'a> {
         }
         let (local, irradiance, chances) = match self {
             Self::Double(guide) => guide.ask(point, bsdf, wo, throughput)?,
+            // The rivals know surfaces alone.
+            _ if bsdf.flags().has(LobeFlags::VOLUME) => return None,
             Self::Ppg(guide) => guide.ask(point, bsdf, wo)?,
             Self::Gmm(mixtures) => {
                 let mixture = mixtures.at(point.p, point.facing(wo))?;
@@ -286,9 +296,9 @@ impl Guide {
         wo: Vec3,
         throughput: Rgb,
     ) -> Option<(Local<'_>, Rgb, Chances)> {
-        let normal = point.facing(wo);
+        let side = side(point, bsdf, wo);
         let horizon = horizon(bsdf, wo);
-        let local = self.field.at_side(point.p, normal, horizon, throughput);
+        let local = self.field.at_side(point.p, side, horizon, throughput);
         if !local.has_light() {
             return None;
         }
@@ -303,7 +313,11 @@ impl GuidedVertex<'_> {
     /// beside them.
     #[inline]
     pub fn among(self, lobes: Rest, bsdf: &Bsdf) -> Self {
-        let reflected = || bsdf.albedo() * self.irradiance * FRAC_1_PI;
+        let reflected = || match bsdf.flags().has(LobeFlags::VOLUME) {
+            // Of the fluence. The albedo is part of the throughput already.
+            true => self.irradiance * (0.25 * FRAC_1_PI),
+            false => bsdf.albedo() * self.irradiance * FRAC_1_PI,
+        };
         Self {
             lobes,
             reflected: is_matt(bsdf, lobes).then(reflected),

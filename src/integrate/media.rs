@@ -13,76 +13,20 @@ use super::context::PathContext;
 use super::features;
 use super::observer::PathObserver;
 use super::path::FirstHit;
-use super::path_medium::{PathMedium, segment};
 use super::shadows::{ShadowMedium, ShadowRays};
 use crate::accel::{Hit, Ray};
 use crate::bsdf::Bsdf;
 use crate::math::{NumberStream, Rgb};
 use crate::medium::MediumId;
 use crate::scene::Scene;
+use crate::scene::free_flight::{FreeFlight, MOST_PASSED, sample_flight};
+use crate::scene::path_medium::PathMedium;
 use crate::scene::wavefront::Wavefront;
 use crate::texture::SurfacePoint;
 
-/// Index-matched surfaces that a ray passes at most: more are a bug of the geometry, and the path
-/// ends.
-const MOST_PASSED: u32 = 10_000;
 /// Numbers of the paths' sequences: beside those of the path itself.
 const FLIGHT: u32 = 0x666c_6967;
 const SHADOW: u32 = 0x7368_6164;
-
-/// The free flight of a path: until it met a surface, collided or left the scene.
-struct FreeFlight {
-    /// Its last segment.
-    ray: Ray,
-    hit: Hit,
-    /// Distance to the begin of that.
-    before: f32,
-    factor: Rgb,
-    /// Distance of a collision on it, and the medium.
-    collision: Option<(f32, MediumId)>,
-    /// Rays that it took beyond the first.
-    rays: u64,
-}
-
-/// Samples a free flight along a ray, through index-matched surfaces.
-fn sample_flight(
-    scene: &Scene,
-    (ray, hit): (&Ray, &Hit),
-    at: &mut PathMedium,
-    u: &mut impl FnMut() -> f32,
-) -> FreeFlight {
-    let media = &scene.media;
-    let mut flight = FreeFlight {
-        ray: *ray,
-        hit: *hit,
-        before: 0.0,
-        factor: Rgb::ONE,
-        collision: None,
-        rays: 0,
-    };
-    for _ in 0..MOST_PASSED {
-        let id = at.medium(flight.ray.dir);
-        if let Some(medium) = media.list().get(id) {
-            let segment = segment(&flight.ray, &flight.hit);
-            let sampled = medium.extinction.sample(&segment, &mut at.weights, u);
-            flight.factor *= sampled.factor;
-            if let Some(distance) = sampled.collision {
-                flight.collision = Some((distance, id));
-                at.stay(id);
-                return flight;
-            }
-        }
-        if !flight.hit.is_some() || !media.side(&flight.hit).index_matched {
-            return flight;
-        }
-        flight.before += flight.hit.t;
-        flight.ray = at.cross(scene, &flight.ray, &flight.hit);
-        flight.hit = scene.rays.intersect(&flight.ray);
-        flight.rays += 1;
-    }
-    flight.factor = Rgb::ZERO;
-    flight
-}
 
 /// Lets every path of a wavefront go to its next vertex and scatter there; returns the number of
 /// rays.

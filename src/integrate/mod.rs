@@ -62,7 +62,6 @@ mod media;
 mod next_event;
 pub mod observer;
 pub mod path;
-mod path_medium;
 pub mod progress;
 mod recording;
 pub mod render;

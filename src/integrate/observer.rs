@@ -61,7 +61,7 @@ impl PathObserver for () {}
 pub struct Departure {
     /// The vertex.
     pub position: Vec3,
-    /// Unit shading normal, on the side that the path came from.
+    /// Unit shading normal, on the side that the path came from; zero at a collision.
     pub normal: Vec3,
     /// How it came.
     pub arrival: Arrival,

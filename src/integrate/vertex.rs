@@ -1,10 +1,10 @@
 //! What is known at one vertex of a path.
 
 use super::guiding::GuidedVertex;
-use super::path_medium::PathMedium;
 use crate::bsdf::Bsdf;
 use crate::guide::LightChoice;
 use crate::math::Vec3;
+use crate::scene::path_medium::PathMedium;
 use crate::texture::SurfacePoint;
 
 /// A vertex where a path scatters.

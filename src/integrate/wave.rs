@@ -11,7 +11,6 @@ use super::media;
 use super::next_event::ShadowRay;
 use super::observer::PathObserver;
 use super::path::{FirstHit, Path};
-use super::path_medium::PathMedium;
 use super::recording::{Recorded, Recording};
 use super::reuse::PrefixPool;
 use super::scatter::Plain;
@@ -21,6 +20,7 @@ use crate::camera::CameraRay;
 use crate::film::Extras;
 use crate::math::{PathSampler, Rgb};
 use crate::scene::Scene;
+use crate::scene::path_medium::PathMedium;
 use crate::scene::wavefront::{AHEAD, Wavefront};
 use std::sync::Arc;
 

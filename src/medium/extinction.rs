@@ -50,6 +50,22 @@ impl Extinction {
         }
     }
 
+    /// The extinction coefficient at a place, per unit length.
+    pub fn sigma_t(&self, p: Vec3) -> Rgb {
+        match self {
+            Self::Homogeneous(medium) => medium.extinction,
+            Self::Heterogeneous(medium) => medium.sigma_t(p),
+        }
+    }
+
+    /// Whether there are collisions: what only absorbs has none.
+    pub fn scatters(&self) -> bool {
+        match self {
+            Self::Homogeneous(medium) => medium.albedo != Rgb::ZERO,
+            Self::Heterogeneous(medium) => !medium.absorbs_alone(),
+        }
+    }
+
     /// The share of a collision's light that is scattered at a place.
     pub fn albedo(&self, p: Vec3) -> Rgb {
         match self {

@@ -2,24 +2,26 @@
 //!
 //! A photon leaves an emitter chosen by power ([`crate::light::Lights::emit`]), scatters by the
 //! materials it meets and is thinned by Russian roulette. Wherever it lands on something that is
-//! not a perfect mirror or clear glass it leaves a [`Landing`]. Nothing here stores photons: a
+//! not a perfect mirror or clear glass, and wherever it collides in a medium, it leaves a
+//! [`Landing`]. Nothing here stores photons: a
 //! batch is traced in waves, each wave's landings are handed on and forgotten.
 //!
 //! Photon `i` of a seed is the same photon whatever the batch, the thread or the machine.
 
+mod media;
 pub mod schedule;
 pub mod wave;
 
 use crate::math::{Rgb, Vec3};
 
-/// Where a photon landed.
+/// Where a photon landed, or collided.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Landing {
     /// Where, world space.
     pub position: Vec3,
     /// Unit direction towards where it came from.
     pub direction: Vec3,
-    /// Unit shading normal there, on the side it came from.
+    /// Unit shading normal there, on the side it came from; zero in a medium.
     pub normal: Vec3,
     /// Power it carried, divided by nothing: the sum over `n` photons over `n` is the flux.
     pub power: Rgb,

@@ -1,5 +1,6 @@
 //! A wave of photons that advance together, one scattering at a time.
 
+use super::media::{self, FlightInMedia};
 use super::{Landing, PhotonCounts, PhotonSettings};
 use crate::accel::{Hit, Ray};
 use crate::bsdf::{LobeFlags, Transport};
@@ -13,19 +14,21 @@ const MAX_SURVIVAL: f32 = 0.95;
 
 /// What a photon carries from one scattering to the next.
 #[derive(Clone, Copy)]
-struct Flight {
-    power: Rgb,
-    sampler: PathSampler,
-    bounces: u32,
+pub(super) struct Flight {
+    pub power: Rgb,
+    pub sampler: PathSampler,
+    pub bounces: u32,
     /// Distance flown since the last scattering that was not specular.
-    travelled: f32,
-    specular: bool,
+    pub travelled: f32,
+    pub specular: bool,
 }
 
 /// Buffers of a wave, kept from one to the next.
 #[derive(Default)]
 pub struct PhotonWave {
     wavefront: Wavefront<Flight>,
+    /// The same in scenes with media.
+    in_media: Wavefront<FlightInMedia>,
 }
 
 impl PhotonWave {
@@ -42,9 +45,13 @@ impl PhotonWave {
             ..PhotonCounts::default()
         };
         self.emit(scene, settings, range, &mut counts);
+        if !scene.media.is_empty() {
+            self.in_media.extend(media::enter(self.wavefront.drain()));
+            media::trace(&mut self.in_media, scene, settings, &mut counts, land);
+        }
         while !self.wavefront.is_empty() {
             counts.rays += self.wavefront.advance(scene, |flight, ray, hit| {
-                scatter(scene, settings, (ray, hit), flight, &mut counts, land)
+                scatter(scene, settings, (ray, hit, 0.0), flight, &mut counts, land)
             });
         }
         counts
@@ -84,11 +91,12 @@ impl PhotonWave {
     }
 }
 
-/// Records the landing and samples where the photon goes: the next ray, or none.
-fn scatter(
+/// Records the landing and samples where the photon goes: the next ray, or none. `before` is how
+/// far it flew before this ray.
+pub(super) fn scatter(
     scene: &Scene,
     settings: &PhotonSettings,
-    (ray, hit): (&Ray, &Hit),
+    (ray, hit, before): (&Ray, &Hit, f32),
     flight: &mut Flight,
     counts: &mut PhotonCounts,
     land: &mut impl FnMut(Landing),
@@ -97,7 +105,7 @@ fn scatter(
     let point = scene.surfaces.point(ray, hit, 0.0);
     let wo = -ray.dir;
     let bsdf = scene.surfaces.bsdf(surface, &point, wo);
-    flight.travelled += hit.t;
+    flight.travelled += before + hit.t;
     if bsdf.flags().has(LobeFlags::SMOOTH) {
         counts.landings += 1;
         land(Landing {

@@ -4,7 +4,7 @@
 use super::description::{Description, Geometry, Mesh, Shape};
 use super::media::SceneMedia;
 use super::surface::{DARK, Form, Needs, Surface, Surfaces};
-use crate::accel::{self, AccelError, Backend, BuildSettings, RayQuery, World};
+use crate::accel::{self, AccelError, Backend, Bounds, BuildSettings, RayQuery, World};
 use crate::bsdf::Materials;
 use crate::light::{Emitter, EmitterShape, Lights};
 use crate::math::{Affine3A, Rgb};
@@ -54,6 +54,10 @@ impl Scene {
             .collect();
         let glows = |g: &accel::Geometry| list[g.id as usize].emitter != DARK;
         let dark = accel::world_bounds(&world.without(glows));
+        let bodies = match media.has_boundaries {
+            true => accel::world_bounds(&world.without(|g| !media.is_bounded_by(g.id))),
+            false => Bounds::EMPTY,
+        };
         let surfaces = Arc::new(Surfaces {
             list,
             instances,
@@ -65,12 +69,24 @@ impl Scene {
         // Photons are to land on what does not glow by itself, if there is anything.
         let target = if dark.radius() > 0.0 { dark } else { bounds };
         let lights = Lights::build(emitters, &glowing, bounds, target);
-        Ok(Self {
+        let mut scene = Self {
             surfaces,
             media,
             lights,
             rays,
-        })
+        };
+        scene.place_media(bodies);
+        Ok(scene)
+    }
+
+    /// Finds out where media are. `bodies` are the bounds of all that has one inside.
+    fn place_media(&mut self, bodies: Bounds) {
+        if self.media.is_empty() {
+            return;
+        }
+        self.media.outside = self.outside_medium(self.media.camera);
+        let endless = self.media.list().get(self.media.outside).is_some();
+        self.media.region = if endless { self.rays.bounds() } else { bodies };
     }
 }
 

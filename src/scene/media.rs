@@ -1,7 +1,7 @@
 //! The media of a scene, and the surfaces between them.
 
 use super::description::Shape;
-use crate::accel::Hit;
+use crate::accel::{Bounds, Hit};
 use crate::bsdf::Materials;
 use crate::medium::{Boundary, Media, MediumId};
 
@@ -22,8 +22,14 @@ pub struct SceneMedia {
     sides: Vec<Side>,
     /// Where the camera is.
     pub camera: MediumId,
+    /// What is outside of all bodies.
+    pub outside: MediumId,
+    /// Where media may be.
+    pub region: Bounds,
     /// Whether any surface is index-matched.
     pub has_index_matched: bool,
+    /// Whether any surface bounds media.
+    pub has_boundaries: bool,
 }
 
 impl SceneMedia {
@@ -44,6 +50,9 @@ impl SceneMedia {
         };
         Self {
             has_index_matched: sides.iter().any(|side| side.index_matched),
+            has_boundaries: sides.iter().any(|side| side.boundary.is_some()),
+            outside: camera,
+            region: Bounds::EMPTY,
             media,
             sides,
             camera,
@@ -54,6 +63,19 @@ impl SceneMedia {
     #[inline]
     pub fn is_empty(&self) -> bool {
         self.media.is_empty()
+    }
+
+    /// Whether any of them scatters.
+    pub fn scatter(&self) -> bool {
+        self.media
+            .list
+            .iter()
+            .any(|medium| medium.extinction.scatters())
+    }
+
+    /// Whether a shape bounds one.
+    pub(super) fn is_bounded_by(&self, shape: u32) -> bool {
+        self.sides[shape as usize].boundary.is_some()
     }
 
     /// The media, by number.

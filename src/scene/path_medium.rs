@@ -1,13 +1,13 @@
 //! Which medium a path is in.
 
+use super::Scene;
 use crate::accel::{Hit, Ray};
 use crate::math::{Rgb, Vec3};
 use crate::medium::{Boundary, ChannelWeights, MediumId, Segment};
-use crate::scene::Scene;
 
 /// The medium that a path is in, and what it has made of the channels.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::integrate) struct PathMedium {
+pub struct PathMedium {
     /// The media around the surface that the path has left.
     around: Boundary,
     /// Its geometric normal.
@@ -96,7 +96,7 @@ impl PathMedium {
 }
 
 /// The part of a ray that a hit ends, or its own end.
-pub(in crate::integrate) fn segment(ray: &Ray, hit: &Hit) -> Segment {
+pub fn segment(ray: &Ray, hit: &Hit) -> Segment {
     Segment {
         origin: ray.org,
         direction: ray.dir,

@@ -1,4 +1,4 @@
-"""Writes media.json: scenes with participating media, and what Mitsuba 3 sees of them, for tests/media.rs.
+"""Writes media.json: scenes with participating media, and what Mitsuba 3 sees of them, for tests/media.
 
 Run with a Python that has Mitsuba 3 (made with 3.9.1): python media.py > media.json
 Of each scene: the file, the grids beside it (resolution, channels, values), and the means of 8 x 8 pixels with their standard errors, from 8 renders of `volpath` or, where

@@ -1,7 +1,7 @@
 //! The spatial binary tree.
 
 use super::Settings;
-use crate::guide::space::normal_octant;
+use crate::guide::sides::normal_octant;
 use crate::math::{DVec3, Vec3};
 
 /// In [`Node::link`], a leaf; the rest is its number.

@@ -306,3 +306,60 @@ fn parallax_follows_the_light_from_within_one_cell() {
         assert!(pdf > 3.0, "{x:?}: {pdf}");
     }
 }
+
+/// A wall of light from +x beside a fog with light from +z: neither knows of the other, and the
+/// fluence in the fog is its flux over the cross-section.
+#[test]
+fn a_medium_is_apart_from_the_surfaces_inside() {
+    let mut rng = Pcg32::new(3, 8);
+    let mut on_wall = Vec::new();
+    let mut in_fog = Vec::new();
+    let mut photons = Vec::new();
+    for _ in 0..100_000 {
+        let p = square(&mut rng);
+        let wall = Vec3::new(0.5, p.x, p.y);
+        let fog = Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32());
+        on_wall.push(SurfacePoint {
+            position: wall,
+            normal: Vec3::X,
+        });
+        in_fog.push(fog);
+        for (position, direction, normal) in [(wall, Vec3::X, Vec3::X), (fog, Vec3::Z, Vec3::ZERO)]
+        {
+            photons.push(Photon {
+                position,
+                direction,
+                power: Rgb::ONE,
+                distance: 1.0,
+                normal,
+            });
+        }
+    }
+    for model in ModelKind::ALL {
+        let settings = Settings {
+            normal_split: true,
+            media: true,
+            model: *model,
+            ..unit_box()
+        };
+        let mut trainer = Trainer::build(settings).unwrap();
+        trainer.set_surface(&on_wall, 1.0);
+        // Extinction 4 in the unit box.
+        trainer.set_media(&in_fog, 4.0);
+        trainer.train(&photons, 100_000);
+        trainer.refine_rounds(4);
+        let file = trainer.freeze();
+        let at = |side: Vec3| file.at_side(Vec3::splat(0.5), side, None, Rgb::ONE);
+        let (wall, fog) = (at(Vec3::X), at(Vec3::ZERO));
+        for (what, local, flux, w) in [("wall", wall, 1.0, Vec3::X), ("fog", fog, 0.25, Vec3::Z)] {
+            let found = local.irradiance().x;
+            assert!(
+                (found / flux - 1.0).abs() < 0.06,
+                "{what} {model:?}: {found}"
+            );
+            let other = Vec3::new(w.z, 0.0, w.x);
+            let (here, there) = (local.pdf(w), local.pdf(other));
+            assert!(here > 50.0 * there, "{what} {model:?}: {here} and {there}");
+        }
+    }
+}

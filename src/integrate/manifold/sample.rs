@@ -7,13 +7,13 @@ use super::receiver::Receiver;
 use crate::accel::{Hit, Ray};
 use crate::bsdf::Transport;
 use crate::integrate::context::PathContext;
-use crate::integrate::path_medium::PathMedium;
 use crate::integrate::vertex::Vertex;
 use crate::light::{CausticEmitter, LightSource, Shining};
 use crate::math::frame::normals_disagree;
 use crate::math::mis::power_heuristic;
 use crate::math::{NumberStream, PathSampler, Rgb, Vec2};
 use crate::scene::Scene;
+use crate::scene::path_medium::PathMedium;
 
 /// What is to be sampled.
 pub(in crate::integrate) struct Request<'v, 's> {

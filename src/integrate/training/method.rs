@@ -10,6 +10,7 @@ use crate::guide::{FractionRecord, GuideError, PathSample, Stats, Trainer};
 use crate::integrate::context::View;
 use crate::integrate::guiding::{Guidance, Guide};
 use crate::integrate::manifold::{ManifoldSampling, find_chains};
+use crate::math::Vec3;
 use crate::photon::PhotonCounts;
 use crate::scene::Scene;
 use std::time::Instant;
@@ -154,7 +155,7 @@ impl Method {
     /// soon as they have taught: they are most of what learning holds.
     pub fn take(
         &mut self,
-        samples: Vec<Vec<PathSample>>,
+        mut samples: Vec<Vec<PathSample>>,
         fractions: Vec<Vec<FractionRecord>>,
         settings: &LearnSettings,
     ) {
@@ -173,6 +174,8 @@ impl Method {
                 guide.renew(trainer.freeze(), settings.mixture);
             }
             Self::Ppg(ppg) => {
+                let on_surfaces = |s: &PathSample| s.normal != Vec3::ZERO;
+                samples.iter_mut().for_each(|part| part.retain(on_surfaces));
                 ppg.trainer.train(&samples);
                 drop(samples);
                 ppg.guide.renew(ppg.trainer.freeze(), settings.mixture);

@@ -9,6 +9,7 @@ use super::settings::LearnSettings;
 use crate::guide::GuideError;
 use crate::guide::gmm::{GmmTrainer, Mixtures, Settings};
 use crate::integrate::context::View;
+use crate::math::Vec3;
 use crate::photon::PhotonCounts;
 use crate::photon::schedule::Budget;
 use crate::scene::Scene;
@@ -62,7 +63,9 @@ pub fn learn_mixtures(
         let emitted = numbers.end - numbers.start;
         let (landed, batch) = trace_batch(view.scene, settings, numbers);
         counts += batch;
-        trainer.train(&landed.concat(), emitted);
+        let mut landed = landed.concat();
+        landed.retain(|photon| photon.normal != Vec3::ZERO);
+        trainer.train(&landed, emitted);
     }
     Ok(LearnedMixtures {
         mixtures: trainer.freeze(),

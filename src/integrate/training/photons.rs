@@ -18,7 +18,7 @@ use std::time::Instant;
 
 /// Rounds of refining after a batch.
 pub(super) const ROUNDS: u32 = 4;
-/// Points that measure the area inside cells, at most; at least a sixty-fourth of that.
+/// Points that measure what lies inside cells, at most; at least a sixty-fourth of that.
 const AREA_POINTS: usize = 1 << 20;
 /// A small image has one for so many of its samples: its field has few cells.
 const SAMPLES_A_POINT: u64 = 16;
@@ -133,7 +133,7 @@ fn area_points(photons: Budget) -> usize {
     points.clamp(AREA_POINTS / 64, AREA_POINTS)
 }
 
-/// A trainer that knows the scene's bounds and how much surface lies where.
+/// A trainer that knows the scene's bounds and how much surface and medium lies where.
 pub(super) fn prepare(scene: &Scene, settings: &LearnSettings) -> Result<Trainer, GuideError> {
     let bounds = scene.rays.bounds();
     let mut guide_settings = Settings::new(bounds.min, bounds.max);
@@ -147,11 +147,13 @@ pub(super) fn prepare(scene: &Scene, settings: &LearnSettings) -> Result<Trainer
     };
     // Thin walls, lit from one side, are everywhere in real scenes.
     guide_settings.normal_split = true;
+    guide_settings.media = scene.media.scatter();
     let mut trainer = Trainer::build(guide_settings)?;
     if settings.photons.is_none() {
         return Ok(trainer);
     }
-    let (points, area) = scene.area_points(area_points(settings.photons), settings.photon.seed);
+    let count = area_points(settings.photons);
+    let (points, area) = scene.area_points(count, settings.photon.seed);
     // Light lands on either side of a surface.
     let sides = points.iter().flat_map(|p| {
         [p.normal, -p.normal].map(|normal| SurfacePoint {
@@ -160,6 +162,10 @@ pub(super) fn prepare(scene: &Scene, settings: &LearnSettings) -> Result<Trainer
         })
     });
     trainer.set_surface(&sides.collect::<Vec<_>>(), 2.0 * area);
+    if scene.media.scatter() {
+        let (points, cross_section) = scene.medium_points(count, settings.photon.seed);
+        trainer.set_media(&points, cross_section);
+    }
     Ok(trainer)
 }
 

@@ -20,7 +20,7 @@ pub fn nothing_to_learn(view: &View) -> Option<&'static str> {
     if view.scene.lights.is_empty() {
         return Some("the scene has no light");
     }
-    let rough = view.scene.surfaces.scatter();
+    let rough = view.scene.surfaces.scatter() || view.scene.media.scatter();
     (!rough).then_some("nothing in the scene is rough")
 }
 
