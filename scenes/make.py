@@ -418,6 +418,40 @@ def cloud():
     write_vol("cloud/cloud.vol", (40, 28, 32), density)
 
 
+def tinted():
+    """The pool again, its water green and a little cloudy."""
+    with open(path_of("pool/pool.xml"), encoding="utf-8") as file:
+        text = file.read()
+    water = """  <!-- Red light is gone after a few metres; a tenth of what is taken out of a ray is scattered. -->
+  <medium type="homogeneous" id="lagoon">
+    <rgb name="sigma_t" value="0.42, 0.13, 0.11"/>
+    <rgb name="albedo" value="0.12, 0.45, 0.4"/>
+    <phase type="hg"><float name="g" value="0.6"/></phase>
+  </medium>
+
+  <bsdf type="dielectric" id="water_surface">"""
+    text = text.replace('  <bsdf type="dielectric" id="water_surface">', water)
+    text = text.replace('    <ref id="water_surface"/>', '    <ref id="water_surface"/>\n    <ref name="interior" id="lagoon"/>')
+    text = text.replace('<integrator type="path">', '<integrator type="volpath">')
+    with open(path_of("pool/tinted.xml"), "w", encoding="utf-8") as file:
+        file.write(text)
+
+
+def juice():
+    """A glass, filled to y = 0.09: its wall in air, its wall at the juice, and the juice's top."""
+    level = 0.09
+    outside = [(0.028, 0.0), None, (0.028, 0.001), (0.036, 0.13), (0.0355, 0.1312), (0.0345, 0.1312), (0.034, 0.13)]
+    # The cavity is a cone, rounded below.
+    def radius(y):
+        return 0.0255 + 0.0085 * (y - 0.012) / 0.118
+    wet = [(0.0, 0.008), (0.015, 0.0084), (0.022, 0.0098), (radius(0.014), 0.014)]
+    wet += [(radius(y), y) for y in (0.03, 0.05, 0.07, level)]
+    dry = [(radius(y), y) for y in (0.12, 0.105, level)]
+    write_ply("juice/wall.ply", lathe([(0.0, 0.0)] + outside + dry, 72))
+    write_ply("juice/wet.ply", lathe(wet, 72))
+    write_ply("juice/top.ply", lathe([(radius(level), level), (0.0, level)], 72))
+
+
 if __name__ == "__main__":
-    for scene in (cornell, door, pool, furnace, caustic, exact, materials, cloud):
+    for scene in (cornell, door, pool, tinted, furnace, caustic, exact, materials, cloud, juice):
         scene()

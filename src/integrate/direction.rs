@@ -52,7 +52,9 @@ pub(super) fn record_departure(
     sampled: Option<&(BsdfSample, f32)>,
     observer: &mut impl PathObserver,
 ) {
-    if !observer.wants(path.accumulator) || !is_guidable(vertex.bsdf) {
+    // The scattering here is counted already.
+    let before = path.depth.saturating_sub(1);
+    if !observer.wants(path.accumulator) || !is_guidable(vertex.bsdf, before) {
         return;
     }
     // A delta lobe was chosen: no smooth direction was. That counts as a vertex without one.

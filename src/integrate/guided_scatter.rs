@@ -9,7 +9,7 @@ use super::lobe_splitting::{self, Remainder};
 use super::manifold::{LastRoughVertex, receiver, sample_manifold};
 use super::next_event::{ShadowRay, sample_light};
 use super::observer::PathObserver;
-use super::path::{Arrival, FirstHit, NO_CELL};
+use super::path::{Arrival, FirstHit, NO_CELL, Path};
 use super::reuse::{Admission, PrefixPool};
 use super::splitting::SplitPaths;
 use super::vertex::Vertex;
@@ -225,7 +225,10 @@ fn query_field<'s>(
     path: &mut GuidedPath,
 ) -> (Option<GuidedVertex<'s>>, Option<DeltaSplit>) {
     let guide = context.guide;
-    let guided = guide.and_then(|g| g.at(point, bsdf, wo, path.base.throughput));
+    let Path {
+        throughput, depth, ..
+    } = path.base;
+    let guided = guide.and_then(|g| g.at(point, bsdf, wo, throughput, depth));
     if guided.is_some() {
         path.split_budget = lobe_splitting::GUIDED;
     }

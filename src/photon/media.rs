@@ -11,8 +11,8 @@ use crate::scene::path_medium::PathMedium;
 use crate::scene::wavefront::Wavefront;
 
 /// A photon survives roulette at a collision at most this often. In a cloud that absorbs nothing it
-/// collides hundreds of times: 100 on average are enough to learn from.
-const MAX_SURVIVAL: f32 = 0.99;
+/// would collide hundreds of times: twenty on average are enough to learn from.
+const MAX_SURVIVAL: f32 = 0.95;
 /// Numbers of the photons' sequences: beside those of the photon itself.
 const FLIGHT: u32 = 0x666c_6967;
 

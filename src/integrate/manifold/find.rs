@@ -195,7 +195,7 @@ impl Light<'_> {
         let met = scene.surfaces.interaction(ray, hit, 0.0)?;
         let bsdf = met.bsdf(&scene.surfaces);
         let Interaction { point, wo, .. } = met;
-        if is_guidable(&bsdf) && !flight.chain.is_empty() {
+        if is_guidable(&bsdf, 0) && !flight.chain.is_empty() {
             let landed = Landed {
                 receiver: Receiver::new(&point, &bsdf, wo),
                 dir: wo,

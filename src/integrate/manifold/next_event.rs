@@ -28,7 +28,7 @@ pub(in crate::integrate) fn receiver(
     path: &GuidedPath,
 ) -> Option<(Receiver, f32)> {
     let manifold = context.guide?.manifold()?;
-    if !is_guidable(vertex.bsdf) {
+    if !is_guidable(vertex.bsdf, path.base.depth) {
         return None;
     }
     let receiver = Receiver::new(vertex.point, vertex.bsdf, vertex.wo);
