@@ -5,12 +5,7 @@
 //! of medium at the rate of F times its cross-section, as they land on a surface at the rate of F
 //! times its area. So the flux over A(r) means the same in both, and is the fluence in media.
 
-use super::sides::MEDIA;
-use super::space::{AXIS_BITS, SpaceNode};
 use std::ops::Range;
-
-/// The least key of a point inside of a medium, where sides tell media apart.
-const FIRST_IN_MEDIA: u64 = MEDIA << (3 * AXIS_BITS);
 
 /// Points that stand for surface and medium.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -48,12 +43,12 @@ impl Measure {
     }
 
     /// The same for a node that holds them, at least half a point: light was met there, so
-    /// something is.
-    pub fn at_least_half(&self, node: &SpaceNode, range: Range<usize>) -> f64 {
+    /// something is, a medium or else a surface.
+    pub fn at_least_half(&self, range: Range<usize>, in_media: bool) -> f64 {
         if !range.is_empty() {
             return self.of(range);
         }
-        let in_media = self.on_surfaces < self.keys.len() && node.prefix >= FIRST_IN_MEDIA;
+        let in_media = in_media && self.on_surfaces < self.keys.len();
         0.5 * self.part(1, in_media)
     }
 

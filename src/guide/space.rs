@@ -3,12 +3,14 @@
 use super::measure::Measure;
 use super::record::SurfacePoint;
 use super::settings::Settings;
-use super::sides::Sides;
+use super::sides::{MEDIA, Sides};
 use crate::math::{DVec3, Vec3};
 use rayon::prelude::*;
 
 /// Bits an axis in a position key.
 pub(crate) const AXIS_BITS: u32 = 20;
+/// The least key of a point inside of a medium, where sides tell media apart.
+const FIRST_IN_MEDIA: u64 = MEDIA << (3 * AXIS_BITS);
 
 /// Turns positions into keys: 20 bits an axis, interleaved, so that the cell of level `l` is named
 /// by the upper `3 l` bits. Computed in `f64` from the corner, so that cells are exact far from the
@@ -183,7 +185,8 @@ impl Space {
             return size * size;
         }
         let range = self.range(node, &self.measure.keys);
-        self.measure.at_least_half(n, range)
+        let in_media = n.prefix >= FIRST_IN_MEDIA;
+        self.measure.at_least_half(range, in_media)
     }
 
     /// The same of a node's octants, whether or not it has been split.

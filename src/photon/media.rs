@@ -1,6 +1,6 @@
 //! Photons in scenes with participating media: they collide between surfaces.
 
-use super::wave::{Flight, scatter};
+use super::flight::{Flight, scatter};
 use super::{Landing, PhotonCounts, PhotonSettings};
 use crate::accel::Ray;
 use crate::math::{NumberStream, Rgb, Vec2, Vec3};

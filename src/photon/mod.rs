@@ -8,6 +8,7 @@
 //!
 //! Photon `i` of a seed is the same photon whatever the batch, the thread or the machine.
 
+mod flight;
 mod media;
 pub mod schedule;
 pub mod wave;

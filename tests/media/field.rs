@@ -28,9 +28,10 @@ fn photons_collide_as_often_as_fluence_and_extinction_say() {
         assert!(error < 0.005, "{measured}, not {cross_section}");
         assert!(points.iter().all(|p| p.length() < 1.0001));
 
+        // In the dense ball roulette would make more noise than the test allows.
         let photon = PhotonSettings {
             max_bounces: 4096,
-            roulette_after: 8,
+            roulette_after: if extinction > 4.0 { 4096 } else { 8 },
             seed: 11,
         };
         const PHOTONS: u64 = 400_000;
