@@ -422,7 +422,7 @@ def tinted():
     """The pool again, its water green and a little cloudy."""
     with open(path_of("pool/pool.xml"), encoding="utf-8") as file:
         text = file.read()
-    water = """  <!-- Red light is gone after a few metres; a tenth of what is taken out of a ray is scattered. -->
+    water = """  <!-- Red light is gone after a few metres, and most of it absorbed; of green and blue half is scattered. -->
   <medium type="homogeneous" id="lagoon">
     <rgb name="sigma_t" value="0.42, 0.13, 0.11"/>
     <rgb name="albedo" value="0.12, 0.45, 0.4"/>

@@ -1,6 +1,6 @@
 //! How a path leaves a vertex: the ray along the sampled direction, and what is recorded of it.
 
-use super::guiding::{GuidedVertex, is_guidable, side};
+use super::guided_vertex::{GuidedVertex, is_guidable, side};
 use super::observer::{Departure, PathObserver, SampledDirection};
 use super::path::{Arrival, Path};
 use super::settings::PathSettings;

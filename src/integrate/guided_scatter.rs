@@ -4,7 +4,7 @@ use super::bounce::{Arrived, BounceResult, Scatter};
 use super::context::PathContext;
 use super::guided_direction::{DirectionSplit, GuidedDeparture};
 use super::guided_path::{GuidedPath, PrefixState};
-use super::guiding::GuidedVertex;
+use super::guided_vertex::GuidedVertex;
 use super::lobe_splitting::{self, Remainder};
 use super::manifold::{LastRoughVertex, receiver, sample_manifold};
 use super::next_event::{ShadowRay, sample_light};

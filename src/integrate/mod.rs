@@ -15,7 +15,7 @@
 //!    sampling, Russian roulette ([`roulette`]); `direction.rs`: the next ray.
 //!
 //! A guided path has more state ([`guided_path`]) and scatters otherwise (`guided_scatter.rs`,
-//! `guided_direction.rs`): the field shapes directions ([`guiding`]), paths are split by what they
+//! `guided_direction.rs`): the field shapes directions ([`guided_vertex`]), paths are split by what they
 //! are worth (`splitting.rs`) and among lobes (`lobe_splitting.rs`), specular chains are sampled
 //! ([`manifold`]), and pixels share suffixes ([`reuse`]). [`training`] learns the field from the
 //! image's first passes, [`adaptive`] spreads the samples of the later ones. [`debug`] looks into
@@ -54,6 +54,7 @@ mod features;
 mod guided_direction;
 pub mod guided_path;
 mod guided_scatter;
+pub mod guided_vertex;
 pub mod guiding;
 pub mod light_sums;
 mod lobe_splitting;

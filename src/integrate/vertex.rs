@@ -1,6 +1,6 @@
 //! What is known at one vertex of a path.
 
-use super::guiding::GuidedVertex;
+use super::guided_vertex::GuidedVertex;
 use crate::bsdf::Bsdf;
 use crate::guide::LightChoice;
 use crate::math::Vec3;

@@ -10,9 +10,6 @@ use crate::scene::free_flight::{FreeFlight, sample_flight};
 use crate::scene::path_medium::PathMedium;
 use crate::scene::wavefront::Wavefront;
 
-/// A photon survives roulette at a collision at most this often. In a cloud that absorbs nothing it
-/// would collide hundreds of times: twenty on average are enough to learn from.
-const MAX_SURVIVAL: f32 = 0.95;
 /// Numbers of the photons' sequences: beside those of the photon itself.
 const FLIGHT: u32 = 0x666c_6967;
 
@@ -93,20 +90,9 @@ fn collide(
         return None;
     }
     let u = flight.sampler.next4();
-    if flight.bounces >= settings.roulette_after {
-        let survival = albedo.max_element().min(MAX_SURVIVAL);
-        if u[3] >= survival {
-            return None;
-        }
-        flight.power /= survival;
-    }
-    if !flight.power.is_finite() {
-        counts.invalid += 1;
-        return None;
-    }
-    flight.specular = false;
-    flight.travelled = 0.0;
-    flight.bounces += 1;
+    // The albedo is in the power already.
+    let survival = flight.roulette(settings, albedo, u[3])?;
+    flight.scattered(Rgb::ONE / survival, false, counts)?;
     let next = medium.phase.sample(dir, u[0], Vec2::new(u[1], u[2]));
     Some(Ray::new(position, next))
 }

@@ -1,12 +1,11 @@
 //! What photons and the field know of media.
 
 use crate::support::{Built, SceneMaker, agree, how, inside_of_cube, settings};
-use crate::{ball, medium};
+use crate::{furnace, medium};
 use std::f64::consts::PI;
 use twintree::accel::{AnalyticKind, Backend};
 use twintree::integrate::training::{garbage, learn};
 use twintree::integrate::{GuidedSettings, PathSettings, Roulette};
-use twintree::light::Emitter;
 use twintree::math::{Affine3A, Rgb, Vec3};
 use twintree::photon::PhotonSettings;
 use twintree::photon::wave::PhotonWave;
@@ -17,11 +16,7 @@ use twintree::photon::wave::PhotonWave;
 #[test]
 fn photons_collide_as_often_as_fluence_and_extinction_say() {
     for extinction in [0.2f32, 2.0, 12.0] {
-        let mut maker = SceneMaker::new(Vec3::new(0.0, 0.0, -3.0), Vec3::ZERO, 25.0, 8);
-        let inside = medium(&mut maker, extinction, 1.0);
-        ball(&mut maker, 1.0, inside);
-        maker.emitter(Emitter::Constant { radiance: Rgb::ONE });
-        let scene = maker.build(Backend::default()).scene;
+        let scene = furnace(extinction).scene;
         let cross_section = f64::from(extinction) * 4.0 / 3.0 * PI;
         let (points, measured) = scene.medium_points(1 << 18, 3);
         let error = (measured / cross_section - 1.0).abs();
@@ -95,8 +90,7 @@ fn guided_and_unguided_fog_have_the_same_mean() {
     let (by_garbage, _) = room.render_guided(&other, 1024, Some(&garbage));
     agree("fog, garbage", &reference, &by_garbage);
 
-    // In the fog under the lamp no light comes from below its ceiling's height but by scattering:
-    // the field knows where the ceiling shines.
+    // Most light in the fog under the lamp comes from the bright ceiling above.
     let at = Vec3::new(0.4, 0.3, 0.4);
     let local = learned.guide.field.at_side(at, Vec3::ZERO, None, Rgb::ONE);
     let (up, down) = (local.pdf(Vec3::Y), local.pdf(-Vec3::Y));

@@ -10,7 +10,7 @@ use super::window::{Window, spawn_ray};
 use crate::accel::{Hit, Ray};
 use crate::bsdf::{LobeFlags, Transport};
 use crate::integrate::context::View;
-use crate::integrate::guiding::is_guidable;
+use crate::integrate::guided_vertex::is_guidable;
 use crate::light::CausticEmitter;
 use crate::math::{PathSampler, Vec2, Vec3};
 use crate::photon::schedule::Budget;

@@ -9,7 +9,7 @@ use super::sample::{ManifoldSample, Request};
 use crate::integrate::context::PathContext;
 use crate::integrate::direction::ROUGH_SPREAD;
 use crate::integrate::guided_path::{GuidedPath, PrefixState};
-use crate::integrate::guiding::is_guidable;
+use crate::integrate::guided_vertex::is_guidable;
 use crate::integrate::vertex::Vertex;
 
 /// Rate behind the first rough vertex of a path, relative to that at it: what is found there counts

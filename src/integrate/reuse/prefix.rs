@@ -1,7 +1,7 @@
 //! A path in two parts.
 
 use crate::bsdf::{Bsdf, View};
-use crate::integrate::guiding::GuidedVertex;
+use crate::integrate::guided_vertex::GuidedVertex;
 use crate::integrate::path::Path;
 use crate::integrate::vertex::Vertex;
 use crate::math::{Rgb, Vec3};

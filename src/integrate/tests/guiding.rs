@@ -2,7 +2,7 @@
 
 use crate::bsdf::material::{Diffuse, Distribution, Plastic, RoughConductor, Roughness};
 use crate::bsdf::{Material, Materials, Rest, Transport};
-use crate::integrate::guiding::is_matt;
+use crate::integrate::guided_vertex::is_matt;
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::texture::{SurfacePoint, Texture};
 
