@@ -20,6 +20,8 @@ use twintree::integrate::training::{garbage, learn};
 use twintree::integrate::wave::Wave;
 use twintree::integrate::{GuidedSettings, PathSettings};
 use twintree::math::{Affine3A, Rgb, Vec2, Vec3};
+use twintree::medium::grids::{Albedo, Grid, Heterogeneous, Lookup};
+use twintree::medium::{Extinction, Homogeneous, Medium, PhaseFunction, PhaseLobe};
 use twintree::scene::{Geometry, Mesh};
 use twintree::texture::Texture;
 
@@ -27,8 +29,20 @@ use twintree::texture::Texture;
 /// a single colour, a screen that lets half of the rays through, a body whose shading normals
 /// disagree with its faces, clear glass, varnish over diffuse, smooth and rough.
 fn room() -> Built {
+    room_in(None)
+}
+
+/// The same, full of a medium.
+fn room_in(air: Option<(Extinction, PhaseFunction)>) -> Built {
     let eye = Vec3::new(0.0, 0.0, -0.9);
     let mut maker = SceneMaker::new(eye, Vec3::new(0.0, -0.2, 1.0), 70.0, 16);
+    if let Some((extinction, phase)) = air {
+        maker.description.camera_medium = maker.description.media.push(Medium {
+            name: "air".into(),
+            extinction,
+            phase,
+        });
+    }
     let wall = maker.diffuse(0.6);
     maker.shape(inside_of_cube(1.0), wall, None, false);
     let red = maker.material(Diffuse {
@@ -242,6 +256,35 @@ fn sharing_gives_the_mean_of_not_sharing() {
             ..path(reuse, seed)
         }
     });
+}
+
+/// Connections are attenuated, lead to collisions as well, and are as likely as their flights were:
+/// in three colours, and on a grid.
+#[test]
+fn sharing_gives_the_mean_of_not_sharing_in_media() {
+    let mist = Homogeneous {
+        extinction: Rgb::new(0.15, 0.25, 0.4),
+        albedo: Rgb::new(0.95, 0.8, 0.9),
+    };
+    let room = room_in(Some((mist.into(), PhaseFunction::isotropic())));
+    agree("mist", &room, [Some(&learned(&room)); 2], 768, path);
+
+    // From clear to dense, from end to end.
+    let voxels = [0.0, 0.1, 0.4, 0.8, 0.2, 0.5, 0.1, 0.2];
+    let place =
+        Affine3A::from_translation(Vec3::splat(-1.0)) * Affine3A::from_scale(Vec3::splat(2.0));
+    let density = Grid::new(
+        [2, 2, 2],
+        1,
+        Arc::new(voxels.to_vec()),
+        place,
+        Lookup::default(),
+    );
+    let albedo = Albedo::Constant(Rgb::splat(0.9));
+    let smoke = Heterogeneous::new(density.unwrap(), 1.0, albedo).unwrap();
+    let phase = PhaseLobe::henyey_greenstein(0.5).into();
+    let room = room_in(Some((smoke.into(), phase)));
+    agree("smoke", &room, [Some(&learned(&room)); 2], 768, path);
 }
 
 /// Squared error of pixels against the mean of many renders, and what the pixels' own variances

@@ -108,7 +108,8 @@ fn scatter<'s>(
         rays,
     } = output;
     let weight = choose_layer(context, bsdf, wo, path);
-    if pool.arrive(path, point, bsdf, wo, split_paths) == Admission::Shares {
+    let from = (wo, media);
+    if pool.arrive(path, point, bsdf, from, split_paths) == Admission::Shares {
         radiance = Rgb::ZERO;
     }
     // What is shared is what this choice found: it counts after the accumulator was made.

@@ -111,12 +111,10 @@ impl Wave {
         gives_up: &dyn Fn(u32) -> bool,
     ) -> Option<Outcomes<'_>> {
         let before = self.rays_traced;
-        let guided = context.guide.is_some();
-        // What is shared would have to be attenuated along each connection.
-        let most = if guided && context.scene.media.is_empty() {
-            context.settings.guided.reuse
-        } else {
-            1
+        let most = match context.guide {
+            // Each connection would have to be followed through them, which costs what it gains.
+            Some(_) if !context.scene.media.has_index_matched => context.settings.guided.reuse,
+            _ => 1,
         };
         let mut pool = PrefixPool::new(most, self.radiances.len());
         let mut recorded = std::mem::take(&mut self.recorded);

@@ -1,7 +1,7 @@
 //! How a medium takes light out of a ray: the same everywhere, or by place.
 
 use super::grids::Heterogeneous;
-use super::{ChannelWeights, Flight, Homogeneous, Segment};
+use super::{ChannelWeights, Flight, Homogeneous, Passage, Segment};
 use crate::math::{Rgb, Vec3};
 use std::sync::Arc;
 
@@ -27,16 +27,22 @@ impl Extinction {
         let (origin, direction, length) = segment.parts();
         match self {
             Self::Homogeneous(medium) => medium.sample(segment, weights, u),
-            Self::Heterogeneous(medium) if medium.absorbs_alone() => {
-                let depth = medium.optical_depth(origin, direction, length);
-                Flight {
-                    factor: (-depth).exp(),
-                    collision: None,
-                }
-            }
+            Self::Heterogeneous(medium) if medium.absorbs_alone() => Flight {
+                factor: medium.transmittance(origin, direction, length, u),
+                collision: None,
+            },
             Self::Heterogeneous(medium) => {
                 medium.sample(origin, direction, length, &mut weights.0, u)
             }
+        }
+    }
+
+    /// The segment, or a collision at its end, as [`Extinction::sample`] draws it; exact. `None` on
+    /// grids in colour: what happens to their channels depends on the null collisions in the way.
+    pub fn passage(&self, segment: &Segment, collides: bool) -> Option<Passage> {
+        match self {
+            Self::Homogeneous(medium) => Some(medium.passage(segment.length, collides)),
+            Self::Heterogeneous(medium) => medium.passage(segment, collides),
         }
     }
 

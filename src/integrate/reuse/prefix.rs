@@ -5,6 +5,9 @@ use crate::integrate::guided_vertex::GuidedVertex;
 use crate::integrate::path::Path;
 use crate::integrate::vertex::Vertex;
 use crate::math::{Rgb, Vec3};
+use crate::medium::{MediumId, Segment};
+use crate::scene::Scene;
+use crate::scene::path_medium::PathMedium;
 use crate::texture::SurfacePoint;
 
 /// A path takes part if its weakest channel carries this share of its strongest: what is found
@@ -42,6 +45,8 @@ pub(super) struct PathPrefix<'s> {
     pub wo: Vec3,
     pub bsdf: Bsdf,
     pub guided: GuidedVertex<'s>,
+    /// The media around it, in scenes that have any.
+    pub media: Option<PathMedium>,
     /// What comes behind, if that is shared.
     pub suffix: Option<Suffix>,
 }
@@ -62,8 +67,29 @@ impl<'s> PathPrefix<'s> {
             wo,
             bsdf: bsdf.clone(),
             guided: vertex.guided?.clone(),
+            media: vertex.media.copied(),
             suffix: None,
         })
+    }
+
+    /// What comes along the straight way to a suffix, and how likely a path goes it whose direction
+    /// is given: see [`PathMedium::connect`]; 1 and 1 where there are no media.
+    #[inline]
+    pub fn connect(
+        &self,
+        scene: &Scene,
+        suffix: &Suffix,
+        (direction, length): (Vec3, f32),
+    ) -> Option<(Rgb, f32)> {
+        let Some(media) = &self.media else {
+            return Some((Rgb::ONE, 1.0));
+        };
+        let segment = Segment {
+            origin: self.position,
+            direction,
+            length,
+        };
+        media.connect(scene, &segment, suffix.medium)
     }
 }
 
@@ -71,8 +97,10 @@ impl<'s> PathPrefix<'s> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Suffix {
     pub position: Vec3,
-    /// The geometric and the shading normal.
-    pub normals: [Vec3; 2],
+    /// The geometric and the shading normal, of a surface.
+    normals: [Vec3; 2],
+    /// The medium, of a collision.
+    pub medium: Option<MediumId>,
     /// Towards its own prefix.
     wo: Vec3,
     view: View,
@@ -91,10 +119,16 @@ impl Suffix {
 
     /// What it shares, once it has an accumulator for that.
     #[inline]
-    pub fn new(point: &SurfacePoint, wo: Vec3, path: &Path, view: View) -> Self {
+    pub fn new(
+        point: &SurfacePoint,
+        (wo, medium): (Vec3, Option<MediumId>),
+        path: &Path,
+        view: View,
+    ) -> Self {
         Self {
             position: point.p,
             normals: point.normals(),
+            medium,
             wo,
             view,
             accumulator: path.accumulator,
@@ -112,6 +146,17 @@ impl Suffix {
     /// look otherwise.
     #[inline]
     pub fn faces(&self, w: Vec3) -> bool {
-        self.normals.iter().all(|n| n.dot(w) * n.dot(self.wo) > 0.0)
+        let faces = |n: &Vec3| n.dot(w) * n.dot(self.wo) > 0.0;
+        self.medium.is_some() || self.normals.iter().all(faces)
+    }
+
+    /// The solid angle that a unit of area there takes along `w` at distance 1; of a collision, a
+    /// unit of volume for each unit of length.
+    #[inline]
+    pub fn cosine(&self, w: Vec3) -> f32 {
+        match self.medium {
+            Some(_) => 1.0,
+            None => self.normals[0].dot(w).abs(),
+        }
     }
 }

@@ -114,15 +114,19 @@ impl<'e, 's> Reconnector<'e, 's> {
         if f == Rgb::ZERO {
             return;
         }
-        let throughput = prefix.throughput * f;
-        let pdf = prefix.guided.pdf(wi, bsdf_pdf);
+        let scene = self.context.scene;
+        let Some((passed, chance)) = prefix.connect(scene, suffix, (wi, distance)) else {
+            return;
+        };
+        let throughput = prefix.throughput * f * passed;
+        let pdf = prefix.guided.pdf(wi, bsdf_pdf) * chance;
         let [own_view, view] = suffix.views(-wi);
         // The rule that decided about the suffix.
         if !is_shareable(throughput / pdf, view) {
             return;
         }
         let distance = f64::from(distance);
-        let area = f64::from(suffix.normals[0].dot(wi).abs()) / (distance * distance);
+        let area = f64::from(suffix.cosine(wi)) / (distance * distance);
         let link = Reconnection {
             prefixes,
             throughput: throughput * (view / own_view),

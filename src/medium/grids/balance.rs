@@ -35,6 +35,12 @@ impl Balance {
         }
     }
 
+    /// Whether every decision has the same density in all channels.
+    #[inline]
+    pub fn is_grey(&self) -> bool {
+        self.is_grey
+    }
+
     /// The channel that decides.
     #[inline]
     pub fn hero(&self, u: &mut impl FnMut() -> f32) -> usize {

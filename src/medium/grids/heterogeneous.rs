@@ -10,7 +10,7 @@ use super::majorant::Majorants;
 use super::tracking::Tracking;
 use super::walk::Span;
 use crate::math::{DVec3, Rgb, Vec3};
-use crate::medium::Flight;
+use crate::medium::{Flight, Passage, Segment};
 
 /// Albedos up to this are taken for 1: quotients of `f32` end a little above.
 const MAX_ALBEDO: f32 = 1.001;
@@ -142,9 +142,9 @@ impl Heterogeneous {
         }
     }
 
-    /// An unbiased estimate of the transmittance from `org` along `dir`, a unit vector, as far as
-    /// `distance` (not negative, may be infinite): 0 to 1 in each channel. `u` gives uniform
-    /// numbers in `[0, 1)`.
+    /// The transmittance from `org` along `dir`, a unit vector, as far as
+    /// `distance` (not negative, may be infinite): 0 to 1 in each channel; exact of what absorbs
+    /// alone, an unbiased estimate of what scatters. `u` gives uniform numbers in `[0, 1)`.
     pub fn transmittance(
         &self,
         org: Vec3,
@@ -152,6 +152,9 @@ impl Heterogeneous {
         distance: f32,
         u: &mut impl FnMut() -> f32,
     ) -> Rgb {
+        if self.absorbs_alone {
+            return (-self.optical_depth(org, dir, distance)).exp();
+        }
         let span = Span::new(self.density.to_grid(), org, dir, distance);
         let left = span.map_or(DVec3::ONE, |span| self.tracking(&span).transmittance(u));
         left.as_vec3()
@@ -164,6 +167,25 @@ impl Heterogeneous {
         let span = Span::new(self.density.to_grid(), org, dir, distance);
         let depth = span.map_or(DVec3::ZERO, |s| self.tracking(&s).optical_depth());
         depth.as_vec3()
+    }
+
+    /// The segment, or a collision at its end: see
+    /// [`Extinction::passage`](crate::medium::Extinction::passage).
+    pub fn passage(&self, segment: &Segment, collides: bool) -> Option<Passage> {
+        let (origin, direction, length) = segment.parts();
+        let passed = (-self.optical_depth(origin, direction, length)).exp();
+        let (value, density) = match (self.absorbs_alone, collides) {
+            (true, true) => return None,
+            (true, false) => (passed, Rgb::ONE),
+            _ if self.density.channels() > 1 => return None,
+            (false, false) => (passed, passed),
+            (false, true) => {
+                let end = origin + direction * length;
+                let density = passed * self.sigma_t(end);
+                (density * self.albedo(end), density)
+            }
+        };
+        Some(Passage { value, density })
     }
 
     fn tracking<'a>(&'a self, span: &'a Span) -> Tracking<'a> {

@@ -1,8 +1,9 @@
-//! Upper bounds of a grid's values, cell by cell of a coarser grid, along rays.
+//! Bounds of a grid's values, cell by cell of a coarser grid, along rays.
 //!
-//! Delta tracking draws tentative collisions from such bounds, majorants (Szirmay-Kalos, Toth and
+//! Delta tracking draws tentative collisions from upper bounds, majorants (Szirmay-Kalos, Toth and
 //! Magdics, "Free Path Sampling in High Resolution Inhomogeneous Participating Media", 2011): the
-//! closer they are, the fewer of them come to nothing.
+//! closer they are, the fewer of them come to nothing. Lower bounds are what decomposition and
+//! residual tracking set apart.
 
 use super::grid::Grid;
 use super::lookup::Filter;
@@ -17,17 +18,19 @@ const MAX_CELLS: u32 = 64;
 /// Points that rounding puts into the next cell are covered, too; in voxels.
 const MARGIN: f64 = 1e-6;
 
-/// The largest value of a grid in each cell of a coarse one over the unit cube.
+/// The least and the largest value of a grid in each cell of a coarse one over the unit cube.
 #[derive(Clone)]
 pub(super) struct Majorants {
     cells: [u32; 3],
-    values: Vec<f32>,
+    values: Vec<[f32; 2]>,
 }
 
 /// A stretch of a ray below one bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Bounded {
-    /// The bound, in the unit of the grid's values; over all channels.
+    /// No value is less, in the unit of the grid's values, in any channel.
+    pub minorant: f64,
+    /// None is more.
     pub majorant: f64,
     /// Length along the span where the stretch begins.
     pub from: f64,
@@ -47,7 +50,7 @@ impl Majorants {
         let [width, height, depth] = cells.map(|n| n as usize);
         let values = (0..width * height * depth).into_par_iter().map(|i| {
             let [x, y, z] = [i % width, i / width % height, i / width / height];
-            largest(grid, [&supports[0][x], &supports[1][y], &supports[2][z]])
+            least_and_largest(grid, [&supports[0][x], &supports[1][y], &supports[2][z]])
         });
         Self {
             cells,
@@ -62,19 +65,23 @@ impl Majorants {
             scale: DVec3::from_array(self.cells.map(f64::from)),
             offset: 0.0,
         };
-        Walk::new(span, &lattice, 0.0, span.length).map(|step| Bounded {
-            majorant: self.of(step.cell),
-            from: step.from,
-            to: step.to,
+        Walk::new(span, &lattice, 0.0, span.length).map(|step| {
+            let [minorant, majorant] = self.of(step.cell);
+            Bounded {
+                minorant,
+                majorant,
+                from: step.from,
+                to: step.to,
+            }
         })
     }
 
-    /// The bound in a cell.
+    /// The bounds in a cell.
     #[inline]
-    fn of(&self, cell: [i64; 3]) -> f64 {
+    fn of(&self, cell: [i64; 3]) -> [f64; 2] {
         let [x, y, z] = cell.map(|i| i as usize);
         let [width, height, _] = self.cells.map(|n| n as usize);
-        f64::from(self.values[(z * height + y) * width + x])
+        self.values[(z * height + y) * width + x].map(f64::from)
     }
 }
 
@@ -104,19 +111,21 @@ fn support(grid: &Grid, axis: usize, cell: u32, cells: u32) -> Vec<usize> {
     voxels
 }
 
-/// The largest value over all channels of the voxels at the crossings of three lists.
-fn largest(grid: &Grid, [xs, ys, zs]: [&[usize]; 3]) -> f32 {
+/// The least and the largest value over all channels of the voxels at the crossings of three lists.
+fn least_and_largest(grid: &Grid, [xs, ys, zs]: [&[usize]; 3]) -> [f32; 2] {
     let channels = grid.channels() as usize;
     let [width, height, _] = grid.resolution().map(|n| n as usize);
-    let mut most = 0.0f32;
+    let mut bounds = [f32::INFINITY, 0.0];
     for z in zs {
         for y in ys {
             for x in xs {
                 let first = ((z * height + y) * width + x) * channels;
                 let values = &grid.values()[first..first + channels];
-                most = values.iter().fold(most, |m, &v| m.max(v));
+                bounds = values
+                    .iter()
+                    .fold(bounds, |[least, most], &v| [least.min(v), most.max(v)]);
             }
         }
     }
-    most
+    bounds
 }

@@ -1,8 +1,11 @@
 //! Following a ray through a grid: delta tracking, ratio tracking, and from voxel to voxel.
 //!
-//! In most cells of the majorant grid free flights are delta tracking (Woodcock et al. 1965) and
-//! transmittance is ratio tracking (Novak, Selle and Jarosz, "Residual Ratio Tracking for
-//! Estimating Attenuation in Participating Media", 2014). Where more tentative collisions are to be
+//! In most cells of the majorant grid free flights are delta tracking (Woodcock et al. 1965), where
+//! a tentative collision below the cell's least density is real without a look at the grid
+//! (decomposition tracking: Kutz, Habel, Li and Novak, "Spectral and Decomposition Tracking for
+//! Rendering Heterogeneous Volumes", 2017). Transmittance is residual ratio tracking (Novak, Selle
+//! and Jarosz, "Residual Ratio Tracking for Estimating Attenuation in Participating Media", 2014):
+//! exact for the least density, estimated for the rest. Where more tentative collisions are to be
 //! expected than [`PER_VOXEL`] for each voxel in the way, the ray is followed from voxel to voxel
 //! instead, with exact optical depths. So the steps of a ray are bounded by the grid, whatever its
 //! densities: their mean is below `PER_VOXEL * (x + y + z + 3 * 64)`. Two axes of the largest
@@ -96,11 +99,16 @@ impl Tracking<'_> {
         balance: &mut Balance,
         u: &mut impl FnMut() -> f32,
     ) -> Option<f64> {
-        let mut tentative = Tentative::new(part, self.scale);
+        let mut tentative = Tentative::new(part, part.majorant * self.scale);
+        let certain = part.minorant / part.majorant;
         while let Some(at) = tentative.next(depth) {
+            let number = uniform(u);
+            if number < certain && balance.is_grey() {
+                return Some(at);
+            }
             let density = self.density.eval_local(self.span.at(at));
             let real = (density / part.majorant).min(DVec3::ONE);
-            let is_real = uniform(u) < real[balance.hero(u)];
+            let is_real = number < real[balance.hero(u)];
             balance.take(if is_real { real } else { DVec3::ONE - real });
             if is_real {
                 return Some(at);
@@ -133,7 +141,8 @@ impl Tracking<'_> {
         None
     }
 
-    /// Multiplies `left` with the estimated transmittance of a stretch below one majorant.
+    /// Multiplies `left` with the estimated transmittance of a stretch between two bounds: what the
+    /// lower leaves is exact, ratio tracking estimates the residual.
     fn ratio_tracking(
         &self,
         part: &Bounded,
@@ -141,30 +150,31 @@ impl Tracking<'_> {
         left: &mut DVec3,
         u: &mut impl FnMut() -> f32,
     ) {
-        let mut tentative = Tentative::new(part, self.scale);
+        *left *= (-part.minorant * self.scale * (part.to - part.from)).exp();
+        let residual = part.majorant - part.minorant;
+        let mut tentative = Tentative::new(part, residual * self.scale);
         while let Some(at) = tentative.next(depth) {
             if !roulette(left, u) {
                 return;
             }
-            let density = self.density.eval_local(self.span.at(at));
-            *left *= (DVec3::ONE - density / part.majorant).max(DVec3::ZERO);
+            let density = self.density.eval_local(self.span.at(at)) - part.minorant;
+            *left *= (DVec3::ONE - density / residual).clamp(DVec3::ZERO, DVec3::ONE);
             *depth = exponential(u);
         }
     }
 }
 
-/// The tentative collisions of a stretch below one majorant.
+/// The tentative collisions of a stretch, so many per unit of length.
 struct Tentative {
-    /// Collisions per unit of length.
     rate: f64,
     at: f64,
     end: f64,
 }
 
 impl Tentative {
-    fn new(part: &Bounded, scale: f64) -> Self {
+    fn new(part: &Bounded, rate: f64) -> Self {
         Self {
-            rate: part.majorant * scale,
+            rate,
             at: part.from,
             end: part.to,
         }
