@@ -1,12 +1,18 @@
-//! Finds Debian's Embree and OpenImageIO, makes Rust declarations of the one and compiles the shim of
-//! the other. A missing library ends the build with the name of the package that has it.
+//! Finds Debian's Embree, OpenImageIO and OpenVDB, makes Rust declarations of the first and compiles the
+//! shims of the others. A missing library ends the build with the name of the package that has it.
 
+#[cfg(any(feature = "oiio", feature = "openvdb"))]
+#[path = "ffi/cpp_build.rs"]
+mod cpp;
 #[cfg(feature = "embree")]
 #[path = "ffi/embree_build.rs"]
 mod embree;
 #[cfg(feature = "oiio")]
 #[path = "ffi/oiio_build.rs"]
 mod oiio;
+#[cfg(feature = "openvdb")]
+#[path = "ffi/openvdb_build.rs"]
+mod openvdb;
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
@@ -14,6 +20,13 @@ fn main() {
     println!("cargo::rustc-check-cfg=cfg(embree4)");
     #[cfg(feature = "embree")]
     embree::configure();
+    #[cfg(any(feature = "oiio", feature = "openvdb"))]
+    {
+        println!("cargo::rerun-if-changed=ffi/cpp_build.rs");
+        println!("cargo::rerun-if-env-changed=CXX");
+    }
     #[cfg(feature = "oiio")]
     oiio::configure();
+    #[cfg(feature = "openvdb")]
+    openvdb::configure();
 }

@@ -3,12 +3,12 @@
 
 mod support;
 
-use support::{Built, SceneMaker, inside_of_cube, mesh, settings};
+use support::{Built, SceneMaker, inside_of_cube, mesh, overlap, settings};
 use twintree::accel::{AnalyticKind, Backend};
 use twintree::guide::{Field, ModelKind, SurfacePoint, Trainer};
 use twintree::integrate::PathSettings;
 use twintree::integrate::debug::cells;
-use twintree::integrate::debug::probe::{LatLong, brute_force, learned, seen_from};
+use twintree::integrate::debug::probe::{LatLong, Place, brute_force, learned, sight};
 use twintree::integrate::guiding::Guide;
 use twintree::integrate::training::importance::look;
 use twintree::integrate::training::{LearnSettings, Learned, learn};
@@ -16,7 +16,6 @@ use twintree::light::Emitter;
 use twintree::math::{Affine3A, Rgb, Vec2, Vec3};
 use twintree::photon::PhotonSettings;
 use twintree::photon::schedule::Budget;
-use twintree::scene::interaction::Interaction;
 
 const PI: f32 = std::f32::consts::PI;
 
@@ -35,10 +34,14 @@ fn floor(radiance: f32) -> Built {
 }
 
 fn probed(built: &Built, path: &PathSettings, rows: u32, spp: u32) -> LatLong {
-    let Interaction { point, wo, .. } =
-        seen_from(&built.scene, &built.camera, Vec2::new(4.5, 4.5)).unwrap();
-    let normal = point.facing(wo);
-    brute_force(&built.scene, path, &point, normal, rows, spp)
+    let place = seen(built, Vec2::new(4.5, 4.5));
+    brute_force(&built.scene, path, &place, rows, spp)
+}
+
+/// The place on the first surface that a pixel sees.
+fn seen(built: &Built, pixel: Vec2) -> Place<'_> {
+    let sight = sight(&built.scene, &built.camera, pixel);
+    sight.surface.expect("there is a surface").1
 }
 
 #[test]
@@ -117,17 +120,6 @@ fn taught(built: &Built, photons: u64, paths: u64, model: ModelKind) -> Learned 
     learn(&built.view(&path, None), &settings).expect("the field is learned")
 }
 
-/// The part of two densities over the sphere that is common: 1 if they are the same, 0 if disjoint.
-fn overlap(a: &LatLong, b: &LatLong) -> f32 {
-    let (sum_a, sum_b) = (a.integral().x, b.integral().x);
-    let pixels = a.pixels.iter().zip(&b.pixels);
-    let common = LatLong {
-        pixels: pixels.map(|(a, b)| (*a / sum_a).min(*b / sum_b)).collect(),
-        ..a.clone()
-    };
-    common.integral().x
-}
-
 #[test]
 fn the_learned_distribution_is_a_density_and_close_to_brute_force() {
     let built = two_rooms();
@@ -135,25 +127,22 @@ fn the_learned_distribution_is_a_density_and_close_to_brute_force() {
         hide_emitters: true,
         ..settings()
     };
-    let Interaction { point, wo, .. } =
-        seen_from(&built.scene, &built.camera, Vec2::new(16.5, 24.5)).unwrap();
-    let normal = point.facing(wo);
-    let truth = brute_force(&built.scene, &path, &point, normal, 16, 256);
+    let place = seen(&built, Vec2::new(16.5, 24.5));
+    let truth = brute_force(&built.scene, &path, &place, 16, 256);
     for model in ModelKind::ALL {
         let taught = taught(&built, 600_000, 300_000, *model);
-        let view = learned(&taught.guide, &point, normal, 64);
+        let view = learned(&taught.guide, &place, 64);
         let whole = view.integral();
         assert!((whole - Rgb::ONE).abs().max_element() < 0.02, "{whole}");
-        let view = learned(&taught.guide, &point, normal, 16);
+        let view = learned(&taught.guide, &place, 16);
         let unknowing = Field::random(Vec3::splat(-3.0), Vec3::splat(3.0), *model, 1);
-        let unknowing = learned(&Guide::new(unknowing), &point, normal, 16);
+        let unknowing = learned(&Guide::new(unknowing), &place, 16);
         let (good, bad) = (overlap(&truth, &view), overlap(&truth, &unknowing));
         println!("{model:?}: overlap {good} learned, {bad} random");
         assert!(good > 0.75 && bad < 0.6, "{model:?}: {good}, {bad}");
         // What it expects to arrive, over the whole cell, is about what arrives at this point of
         // it.
-        let field = &taught.guide.field;
-        let expected = field.at(point.p, Some(normal), Rgb::ONE).irradiance().x;
+        let expected = place.ask(&taught.guide).irradiance().x;
         let arrives = truth.integral().x;
         println!("irradiance {expected} learned, {arrives} traced");
         assert!(

@@ -13,17 +13,17 @@ use crate::camera::Camera;
 use crate::guide::{FieldFile, LevelShare};
 use crate::image::{Image, WriteOptions};
 use crate::integrate::debug::cells;
-use crate::integrate::debug::probe::{self, LatLong};
+use crate::integrate::debug::probe::{self, LatLong, Place, Sight, Stretch};
 use crate::integrate::guiding::Guide;
 use crate::integrate::training::extend::to_guide;
 use crate::integrate::{GuidedSettings, View};
-use crate::math::{Rgb, Vec2};
+use crate::math::Vec2;
 use crate::report::field::FieldReport;
 use crate::scene::Scene;
-use crate::scene::interaction::Interaction;
 use clap::Args;
 use std::f32::consts::PI;
 use std::fmt::Write as _;
+use std::ops::Bound::Excluded;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -45,6 +45,11 @@ pub struct FieldArgs {
     /// as unguided paths find it; and print at which levels of space its links hang
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, requires_all = ["scene", "output"])]
     pub pixel: Option<ProbedPixel>,
+    /// Do so inside of a medium, so far from the camera along the pixel's ray, in the scene's unit;
+    /// without it at the first surface, behind index-matched ones
+    #[arg(long, value_name = "D", requires = "pixel", allow_negative_numbers = true,
+          value_parser = values::number((Excluded(0.0), Excluded(f32::INFINITY)), "expected a distance above 0 such as 2.5"))]
+    pub distance: Option<f32>,
     /// File for that: directions, the scene's z axis up, as densities, 1 is the mean over the
     /// sphere
     #[arg(short, long, value_name = "FILE", requires = "pixel")]
@@ -222,34 +227,80 @@ fn probe(
             format!("x may be up to {} and y up to {}", width - 1, height - 1),
         ));
     }
-    let at = Vec2::new(pixel.x as f32 + 0.5, pixel.y as f32 + 0.5);
-    let Some(Interaction { point, wo, .. }) = probe::seen_from(view.scene, view.camera, at) else {
-        let help = "choose a pixel that shows a surface";
-        return Err(Failure::wrong(format!("pixel {pixel} sees nothing"), help));
-    };
-    let normal = point.facing(wo);
+    let place = place(args, view, pixel)?;
+    if place.medium().is_some() && !file.trainer.settings().media {
+        return Err(Failure::wrong(
+            format!("{} knows no media", args.field.path.display()),
+            "\"twintree train\" with this scene makes a field that does",
+        ));
+    }
     let (rows, spp) = (args.probe.rows, args.probe.spp);
-    let learned = probe::learned(guide, &point, normal, rows);
-    let settings = view.settings;
-    let traced = probe::brute_force(view.scene, settings, &point, normal, rows, spp);
-    let local = guide.field.at(point.p, Some(normal), Rgb::ONE);
+    let learned = probe::learned(guide, &place, rows);
+    let traced = probe::brute_force(view.scene, view.settings, &place, rows, spp);
+    let local = place.ask(guide);
+    let point = place.point.p;
     let mut text = String::new();
     // Writing to a string cannot fail.
     let _ = writeln!(text, "pixel         {pixel}");
-    let _ = writeln!(text, "point         {}", point.p);
-    let _ = writeln!(text, "normal        {normal}");
+    let _ = writeln!(text, "point         {point}");
+    let _ = match place
+        .medium()
+        .and_then(|id| view.scene.media.list().get(id))
+    {
+        Some(medium) => writeln!(text, "medium        {}", medium.name),
+        None => writeln!(text, "normal        {}", place.side),
+    };
     let _ = writeln!(text, "cell          {}", local.cell());
     let _ = writeln!(text, "links         {}", local.links().len());
-    let levels = file.trainer.irradiance_by_level(point.p, normal);
+    let levels = file.trainer.irradiance_by_level(point, place.side);
     let _ = writeln!(text, "hang at       {}", words_of(&levels));
     let chances = guide.fractions.chances(local.cell());
     let _ = writeln!(text, "fraction      {:.3}", chances.field);
     let _ = writeln!(text, "light         {:.3}", chances.light);
+    // In a medium the fluence.
     let _ = writeln!(text, "learned       {} W/m^2", local.irradiance());
     let _ = writeln!(text, "brute force   {} W/m^2", traced.integral());
     console::print_result(&text)?;
     write(path, &beside(&learned, &traced), args.probe.exposure)
 }
+
+/// The place that a pixel sees, or that lies so far on the way there.
+fn place<'a>(args: &FieldArgs, view: &View<'a>, pixel: ProbedPixel) -> Result<Place<'a>, Failure> {
+    let centre = Vec2::new(pixel.x as f32 + 0.5, pixel.y as f32 + 0.5);
+    let sight = probe::sight(view.scene, view.camera, centre);
+    let media = media_before(&sight);
+    let Some(distance) = args.distance else {
+        let seen = sight.surface.map(|(_, place)| place);
+        return seen.ok_or_else(|| {
+            let help = match media {
+                Some(media) => format!("give a --distance in a medium: {media}"),
+                None => "choose a pixel that shows a surface".into(),
+            };
+            Failure::wrong(format!("pixel {pixel} sees nothing"), help)
+        });
+    };
+    sight.in_medium(distance).ok_or_else(|| {
+        let help = match media {
+            Some(media) => format!("there are media at {media}"),
+            None => "without --distance it shows the first surface".into(),
+        };
+        let what = format!("pixel {pixel} sees no medium at --distance {distance}");
+        Failure::wrong(what, help)
+    })
+}
+
+/// Between which distances there are media before the first surface.
+fn media_before(sight: &Sight) -> Option<String> {
+    let stretch = |s: &Stretch| match s.to.is_finite() {
+        true => format!("{} to {}", s.from, s.to),
+        false => format!("{} and beyond", s.from),
+    };
+    let words: Vec<_> = sight.media.iter().take(MOST_LISTED).map(stretch).collect();
+    (!words.is_empty()).then(|| words.join(", "))
+}
+
+/// Media on a pixel's ray that a message lists.
+const MOST_LISTED: usize = 8;
 
 /// Levels of R at which links hang, with how many there are and their share of the light.
 fn words_of(levels: &[LevelShare]) -> String {

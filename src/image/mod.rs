@@ -18,6 +18,8 @@ mod color_config;
 pub mod curve;
 pub mod decoded;
 pub mod denoise;
+#[cfg(any(feature = "oiio", feature = "openvdb"))]
+pub mod embedded;
 pub mod file;
 pub mod foreign;
 pub mod header;

@@ -91,9 +91,27 @@ impl Wave {
     /// radiances come first, in order; behind them those of ways that split off, which the samples'
     /// include.
     pub fn trace(&mut self, context: &PathContext, observer: &mut impl PathObserver) -> &[Rgb] {
+        self.begin_in(PathMedium::inside(context.scene.media.camera), context);
         self.run(context, observer, &mut PrefixPool::new(1, 0), &|_| false);
         self.split_paths.reduce(&mut self.radiances);
         &self.radiances
+    }
+
+    /// The same for samples that begin at a place of the scene instead of the camera, with this
+    /// around it.
+    pub fn trace_from(&mut self, around: PathMedium, context: &PathContext) -> &[Rgb] {
+        self.begin_in(around, context);
+        self.run(context, &mut (), &mut PrefixPool::new(1, 0), &|_| false);
+        self.split_paths.reduce(&mut self.radiances);
+        &self.radiances
+    }
+
+    /// Puts all samples into a medium, where the scene has media.
+    fn begin_in(&mut self, around: PathMedium, context: &PathContext) {
+        self.path_media.clear();
+        if !context.scene.media.is_empty() {
+            self.path_media.resize(self.radiances.len(), around);
+        }
     }
 
     /// The same for samples of the image, which may share what they find (see [`super::reuse`]).
@@ -124,6 +142,7 @@ impl Wave {
             recorded: &mut recorded,
             lights: &context.scene.lights,
         };
+        self.begin_in(PathMedium::inside(context.scene.media.camera), context);
         let is_whole = self.run(context, &mut recording, &mut pool, gives_up);
         self.recorded = recorded;
         if !is_whole {
@@ -167,11 +186,6 @@ impl Wave {
         let mut edges: u32 = 0;
         self.split_paths.start(self.radiances.len());
         self.rough_vertices.clear();
-        self.path_media.clear();
-        if !context.scene.media.is_empty() {
-            let camera = PathMedium::inside(context.scene.media.camera);
-            self.path_media.resize(self.radiances.len(), camera);
-        }
         if context.guide.is_some() {
             let begin = |(path, ray)| (GuidedPath::new(path, lobe_splitting::FROM_CAMERA), ray);
             self.guided.extend(self.plain.drain().map(begin));

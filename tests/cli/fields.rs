@@ -265,6 +265,44 @@ fn a_field_is_shown_in_numbers_and_pictures() {
     size("tree.exr", 24, 18);
 }
 
+/// Fills the scene's space with fog.
+const FOG: &str = r#"<sensor type="perspective">
+    <medium type="homogeneous" id="fog">
+      <float name="sigma_t" value="0.2"/><float name="albedo" value="0.9"/>
+    </medium>"#;
+
+#[test]
+fn a_field_is_shown_inside_of_a_medium() {
+    let place = Place::replacing(r#"<sensor type="perspective">"#, FOG);
+    train(&place, "f.field", FEW);
+    let view = "field f.field --scene scene.xml --pixel 12,9 --rows 8 --spp 4 -o view.exr";
+    let wall = place.run(view).ok().out;
+    assert!(wall.contains("normal "), "{wall}");
+    let fog = place.run(&format!("{view} --distance 0.5")).ok().out;
+    assert!(fog.contains("medium        fog"), "{fog}");
+    let (w, pixels) = super::support::read_exr(&place.path("view.exr"));
+    assert_eq!((w, pixels.len()), (32, 256));
+    // Light comes from above and below.
+    for half in pixels.chunks(128) {
+        assert!(half.iter().any(|p| p[1] > 0.0));
+    }
+    place.run(&format!("{view} --distance 1e6")).fails(
+        2,
+        &[
+            "no medium at --distance 1000000",
+            "there are media at 0 to ",
+        ],
+    );
+    place
+        .run(&format!("{view} --distance -1"))
+        .fails(2, &["--distance", "above 0"]);
+    let clear = Place::new();
+    train(&clear, "f.field", FEW);
+    clear
+        .run(&format!("{view} --distance 0.5"))
+        .fails(2, &["no medium at --distance 0.5", "the first surface"]);
+}
+
 #[test]
 fn what_is_mistyped_is_named() {
     let place = Place::new();

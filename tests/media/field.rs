@@ -47,7 +47,7 @@ fn photons_collide_as_often_as_fluence_and_extinction_say() {
 }
 
 /// A foggy room with a lamp under its ceiling that shines upwards: all light is indirect.
-fn foggy_room() -> Built {
+pub fn foggy_room() -> Built {
     let eye = Vec3::new(0.0, 0.0, -0.95);
     let mut maker = SceneMaker::new(eye, Vec3::Z, 70.0, 16);
     maker.description.camera_medium = medium(&mut maker, 0.6, 0.9);

@@ -2,6 +2,7 @@
 
 mod field;
 mod mitsuba;
+mod places;
 #[path = "../support/mod.rs"]
 mod support;
 

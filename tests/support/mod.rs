@@ -10,6 +10,7 @@ use twintree::camera::{Camera, CameraDescription, FovAxis, Projection};
 use twintree::film::{Film, FilmDescription, FilmKind, filter::Filter};
 use twintree::guide::ModelKind;
 use twintree::integrate::View;
+use twintree::integrate::debug::probe::LatLong;
 use twintree::integrate::guiding::{Guidance, Guide};
 use twintree::integrate::progress::{Limits, Observer, Progress, Summary};
 use twintree::integrate::render::render;
@@ -392,4 +393,15 @@ pub fn agree(what: &str, a: &Film, b: &Film) {
         worst < 4.2,
         "{what}: a block differs by {worst} standard errors"
     );
+}
+
+/// The part of two densities over the sphere that is common: 1 if they are the same, 0 if disjoint.
+pub fn overlap(a: &LatLong, b: &LatLong) -> f32 {
+    let (sum_a, sum_b) = (a.integral().x, b.integral().x);
+    let pixels = a.pixels.iter().zip(&b.pixels);
+    let common = LatLong {
+        pixels: pixels.map(|(a, b)| (*a / sum_a).min(*b / sum_b)).collect(),
+        ..a.clone()
+    };
+    common.integral().x
 }

@@ -5,11 +5,8 @@
 //! program, and only this library is linked with OpenImageIO. A run that needs no image, such as
 //! `--version` or a render of plain geometry to EXR, never loads it.
 
+use crate::image::embedded::in_memory;
 use libloading::os::unix::{Library, RTLD_LAZY, RTLD_LOCAL};
-use rustix::fs::{MemfdFlags, memfd_create};
-use std::fs::File;
-use std::io::Write;
-use std::os::fd::AsRawFd;
 
 /// The shared library that ffi/oiio_build.rs made.
 static SHIM: &[u8] = include_bytes!(env!("TWINTREE_OIIO_SHIM"));
@@ -17,10 +14,7 @@ static SHIM: &[u8] = include_bytes!(env!("TWINTREE_OIIO_SHIM"));
 /// Puts the shim into a file in memory and loads it from there.
 pub fn open() -> Result<Library, String> {
     let cannot = |why: &dyn std::fmt::Display| format!("OpenImageIO cannot be loaded: {why}");
-    let flags = MemfdFlags::CLOEXEC;
-    let mut file = File::from(memfd_create("twintree-oiio", flags).map_err(|e| cannot(&e))?);
-    file.write_all(SHIM).map_err(|e| cannot(&e))?;
-    let path = format!("/proc/self/fd/{}", file.as_raw_fd());
+    let (_file, path) = in_memory("twintree-oiio", SHIM).map_err(|e| cannot(&e))?;
     // Functions are bound when they are first called: most never are, and all at once take 0.04 s.
     // SAFETY: the shim is our own; what runs when it is loaded are the initializers of Debian's
     // libraries, which any program that is linked with them runs, too.

@@ -1,6 +1,6 @@
 //! The cells of R as the camera sees them.
 
-use super::probe::seen_from;
+use super::probe::{Place, sight};
 use crate::guide::Field;
 use crate::integrate::context::View;
 use crate::integrate::training::importance::met_by;
@@ -17,9 +17,9 @@ pub fn seen(view: &View, field: &Field) -> (Vec<Rgb>, usize) {
         .into_par_iter()
         .map(|i| {
             let at = Vec2::new((i % width) as f32 + 0.5, (i / width) as f32 + 0.5);
-            let Interaction { point, wo, .. } = seen_from(view.scene, view.camera, at)?;
-            let normal = point.facing(wo);
-            Some((field.cell(point.p, normal), normal.dot(wo).abs()))
+            let (Interaction { wo, .. }, place) = sight(view.scene, view.camera, at).surface?;
+            let Place { point, side, .. } = place;
+            Some((field.cell(point.p, side), side.dot(wo).abs()))
         })
         .collect();
     let mut names: Vec<u32> = cells.iter().flatten().map(|c| c.0).collect();

@@ -1,17 +1,23 @@
-//! What light arrives at one point: the learned field beside brute force.
+//! What light arrives at one point, on a surface or inside of a medium: the learned field beside
+//! brute force.
 //!
 //! Both are lat-long images over directions (world space; x of the image is the angle around the
 //! scene's z axis from -pi to pi, y the angle from +z down to -z), so that they can be compared
 //! cell by cell.
 
+use crate::accel::Ray;
 use crate::camera::{Camera, CameraRay};
+use crate::guide::LocalField;
 use crate::integrate::context::PathContext;
 use crate::integrate::guiding::Guide;
 use crate::integrate::settings::PathSettings;
 use crate::integrate::wave::Wave;
 use crate::math::{PathSampler, Rgb, Vec2, Vec3};
+use crate::medium::{MediumId, VACUUM};
 use crate::scene::Scene;
+use crate::scene::free_flight::MOST_PASSED;
 use crate::scene::interaction::Interaction;
+use crate::scene::path_medium::PathMedium;
 use crate::texture::SurfacePoint;
 use rayon::prelude::*;
 use std::f32::consts::PI;
@@ -27,11 +33,119 @@ pub struct LatLong {
     pub pixels: Vec<Rgb>,
 }
 
-/// What a pixel's centre sees first.
-pub fn seen_from<'a>(scene: &'a Scene, camera: &Camera, pixel: Vec2) -> Option<Interaction<'a>> {
+/// A place where light arrives.
+#[derive(Clone, Copy, Debug)]
+pub struct Place<'a> {
+    /// Where it is.
+    pub point: SurfacePoint<'a>,
+    /// The side of the surface that is seen, a unit normal; zero inside of a medium.
+    pub side: Vec3,
+    /// What lies around it.
+    around: PathMedium,
+}
+
+impl<'a> Place<'a> {
+    /// On a surface in empty space, on this side of it.
+    pub fn on_surface(point: SurfacePoint<'a>, side: Vec3) -> Self {
+        Self {
+            point,
+            side,
+            around: PathMedium::inside(VACUUM),
+        }
+    }
+
+    /// The medium that it is in; none on a surface.
+    pub fn medium(&self) -> Option<MediumId> {
+        (self.side == Vec3::ZERO).then(|| self.around.medium(Vec3::Z))
+    }
+
+    /// What the field says of it.
+    pub fn ask<'f>(&self, guide: &'f Guide) -> LocalField<'f> {
+        let horizon = (self.side != Vec3::ZERO).then_some(self.side);
+        let field = &guide.field;
+        field.at_side(self.point.p, self.side, horizon, Rgb::ONE)
+    }
+}
+
+/// A medium on a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stretch {
+    /// Which.
+    pub medium: MediumId,
+    /// Distance at which it begins.
+    pub from: f32,
+    /// Distance at which it ends; infinite where nothing ends it.
+    pub to: f32,
+}
+
+/// What a pixel's centre sees.
+pub struct Sight<'a> {
+    /// The first surface that is not index-matched, and the place on it.
+    pub surface: Option<(Interaction<'a>, Place<'a>)>,
+    /// The media before it, from the camera on.
+    pub media: Vec<Stretch>,
+    ray: Ray,
+}
+
+impl Sight<'_> {
+    /// The place in a medium so far from the camera; `None` where there is no medium before the
+    /// surface.
+    pub fn in_medium(&self, distance: f32) -> Option<Place<'static>> {
+        let holds = |s: &&Stretch| s.from < distance && distance < s.to;
+        let Stretch { medium, .. } = self.media.iter().find(holds)?;
+        Some(Place {
+            point: SurfacePoint::in_volume(self.ray.at(distance), -self.ray.dir, 0.0),
+            side: Vec3::ZERO,
+            around: PathMedium::inside(*medium),
+        })
+    }
+}
+
+/// What a pixel's centre sees, through index-matched surfaces.
+pub fn sight<'a>(scene: &'a Scene, camera: &Camera, pixel: Vec2) -> Sight<'a> {
     let CameraRay { ray, .. } = camera.ray(pixel, Vec2::splat(0.5));
-    let hit = scene.first_hit(&ray);
-    scene.surfaces.interaction(&ray, &hit, 0.0)
+    let mut around = PathMedium::inside(scene.media.camera);
+    let (mut at, mut before) = (ray, 0.0);
+    let mut media = Vec::new();
+    for _ in 0..MOST_PASSED {
+        let hit = scene.first_hit(&at);
+        let to = before + if hit.is_some() { hit.t } else { f32::INFINITY };
+        let medium = around.medium(at.dir);
+        if scene.media.list().get(medium).is_some() {
+            media.push(Stretch {
+                medium,
+                from: before,
+                to,
+            });
+        }
+        if hit.is_some() && scene.media.has_index_matched && scene.media.side(&hit).index_matched {
+            at = around.cross(scene, &at, &hit);
+            before = to;
+            continue;
+        }
+        let met = scene.surfaces.interaction(&at, &hit, 0.0);
+        let surface = met.map(|met| {
+            if !scene.media.is_empty() {
+                around.arrive(scene, &at, &hit);
+            }
+            let place = Place {
+                point: met.point,
+                side: met.point.facing(met.wo),
+                around,
+            };
+            (met, place)
+        });
+        return Sight {
+            surface,
+            media,
+            ray,
+        };
+    }
+    Sight {
+        surface: None,
+        media,
+        ray,
+    }
 }
 
 /// Direction at a place of the image, both coordinates in [0, 1).
@@ -87,24 +201,28 @@ impl LatLong {
     }
 }
 
-/// Density with which the field samples directions at a point, the same in all channels.
-pub fn learned(guide: &Guide, point: &SurfacePoint, normal: Vec3, height: u32) -> LatLong {
-    let local = guide.field.at(point.p, Some(normal), Rgb::ONE);
+/// Density with which the field samples directions at a place, the same in all channels.
+pub fn learned(guide: &Guide, place: &Place, height: u32) -> LatLong {
+    let local = place.ask(guide);
     LatLong::of(height, |x, y| {
         LatLong::mean(x, y, height, 4, |w| Rgb::splat(local.pdf(w)))
     })
 }
 
-/// Incident radiance times cosine at a point, by `spp` paths a pixel of the image, unguided.
-/// `direct` includes light that comes straight from emitters.
+/// Incident radiance, on a surface times the cosine, by `spp` paths a pixel of the image, unguided.
+/// What settings hide of emitters is left out of the light that comes straight from them.
 pub fn brute_force(
     scene: &Scene,
     settings: &PathSettings,
-    point: &SurfacePoint,
-    normal: Vec3,
+    place: &Place,
     height: u32,
     spp: u32,
 ) -> LatLong {
+    let Place {
+        point,
+        side,
+        around,
+    } = place;
     LatLong::of(height, |x, y| {
         let mut wave = Wave::default();
         let mut cosines = Vec::with_capacity(spp as usize);
@@ -115,7 +233,10 @@ pub fn brute_force(
             let at = Vec2::new(x as f32 + u[0], y as f32 + u[1])
                 / Vec2::new(2.0 * height as f32, height as f32);
             let w = direction(at);
-            let cosine = normal.dot(w);
+            let cosine = match place.medium() {
+                Some(_) => 1.0,
+                None => side.dot(w),
+            };
             if cosine <= 0.0 {
                 continue;
             }
@@ -135,7 +256,7 @@ pub fn brute_force(
             settings,
             guide: None,
         };
-        let radiances = wave.trace(&context, &mut ());
+        let radiances = wave.trace_from(*around, &context);
         let sum: Rgb = radiances.iter().zip(&cosines).map(|(l, c)| *l * *c).sum();
         sum / spp as f32
     })

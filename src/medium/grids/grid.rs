@@ -7,6 +7,7 @@
 
 use super::lookup::{Filter, Lookup};
 use super::values::{self, BadValues};
+use super::vdb::Vdb;
 use super::vol::{MAX_RESOLUTION, Vol};
 use crate::math::{Affine3A, DAffine3, DVec3, Rgb, Vec3};
 use std::sync::Arc;
@@ -110,6 +111,16 @@ impl Grid {
     pub fn from_vol(vol: Vol, to_world: Affine3A, lookup: Lookup) -> Result<Self, GridError> {
         let values = Arc::new(vol.values);
         Self::new(vol.resolution, vol.channels, values, to_world, lookup)
+    }
+
+    /// The grid of an OpenVDB file. Where the scene says `use_grid_bbox`, `to_world` is the scene's
+    /// times [`Vdb::bbox_transform`].
+    ///
+    /// # Errors
+    /// As [`Grid::new`].
+    pub fn from_vdb(vdb: Vdb, to_world: Affine3A, lookup: Lookup) -> Result<Self, GridError> {
+        let values = Arc::new(vdb.values);
+        Self::new(vdb.resolution, vdb.channels, values, to_world, lookup)
     }
 
     /// Voxels along x, y and z.

@@ -5,9 +5,10 @@ use super::params::Params;
 use super::role::Role;
 use super::value::Value;
 use crate::math::{Affine3A, DAffine3, Rgb};
-use crate::medium::grids::{Albedo, Filter, Grid, Heterogeneous, Lookup, Vol, Wrap};
+use crate::medium::grids::{Albedo, Filter, Grid, Heterogeneous, Lookup, Vdb, Vol, Wrap};
 use crate::medium::{Boundary, Extinction, Homogeneous, Medium, MediumId, PhaseFunction, VACUUM};
 use crate::scene::import::ImportError;
+use std::path::Path;
 
 /// Values over space.
 enum Volume {
@@ -195,14 +196,6 @@ impl<'a> Importer<'a> {
         };
         let at = p.place_of("filename");
         let path = self.document.resolve(at, name);
-        let vol = Vol::read(&path).map_err(|why| self.document.error(at, why.to_string()))?;
-        let mut place = self.place(p.to_world(), None);
-        if p.boolean("use_grid_bbox", false) {
-            let inside = vol.bbox_transform();
-            let inside = inside.map_err(|why| self.document.error(at, why.to_string()))?;
-            let inside = inside.to_cols_array().map(f64::from);
-            place *= DAffine3::from_cols_array(&inside);
-        }
         let filters = [
             ("trilinear", Filter::Trilinear),
             ("nearest", Filter::Nearest),
@@ -216,7 +209,49 @@ impl<'a> Importer<'a> {
             filter: p.choice("filter_type", &filters).unwrap_or_default(),
             wrap: p.choice("wrap_mode", &wraps).unwrap_or_default(),
         };
-        let place = Affine3A::from_cols_array(&place.to_cols_array().map(|x| x as f32));
-        Grid::from_vol(vol, place, lookup).map_err(|why| self.document.error(at, why.to_string()))
+        let place = self.place(p.to_world(), None);
+        let in_bbox = p.boolean("use_grid_bbox", false);
+        let grid = match path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("vdb"))
+        {
+            true => self.vdb(&path, p, (place, in_bbox), lookup),
+            false => vol(&path, (place, in_bbox), lookup),
+        };
+        grid.map_err(|why| self.document.error(at, why))
     }
+
+    /// The grid of an OpenVDB file.
+    fn vdb(
+        &self,
+        path: &Path,
+        p: &Params<'a>,
+        place: Place,
+        lookup: Lookup,
+    ) -> Result<Grid, String> {
+        let vdb =
+            Vdb::read(path, p.text("grid"), self.options.decode).map_err(|e| e.to_string())?;
+        let place = placed(place, vdb.bbox_transform);
+        Grid::from_vdb(vdb, place, lookup).map_err(|e| e.to_string())
+    }
+}
+
+/// Where the unit cube lies, and whether the file's own box comes before that.
+type Place = (DAffine3, bool);
+
+/// The grid of one of Mitsuba's files.
+fn vol(path: &Path, place: Place, lookup: Lookup) -> Result<Grid, String> {
+    let vol = Vol::read(path).map_err(|e| e.to_string())?;
+    let inside = match place.1 {
+        true => vol.bbox_transform().map_err(|e| e.to_string())?,
+        false => Affine3A::IDENTITY,
+    };
+    let inside = DAffine3::from_cols_array(&inside.to_cols_array().map(f64::from));
+    Grid::from_vol(vol, placed(place, inside), lookup).map_err(|e| e.to_string())
+}
+
+/// From the unit cube to the scene, through the file's box if the scene asks for it.
+fn placed((place, in_bbox): Place, bbox: DAffine3) -> Affine3A {
+    let place = if in_bbox { place * bbox } else { place };
+    Affine3A::from_cols_array(&place.to_cols_array().map(|x| x as f32))
 }

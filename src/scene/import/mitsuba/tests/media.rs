@@ -93,6 +93,17 @@ const MISTAKES: &[(&str, &[&str])] = &[
         "<medium name='interior' type='heterogeneous'><volume name='sigma_t' type='gridvolume'><string name='filename' value='text.vol'/></volume></medium>",
         &["text.vol", "no .vol file"],
     ),
+    (
+        "<medium name='interior' type='heterogeneous'><volume name='sigma_t' type='gridvolume'><string name='filename' value='text.VDB'/></volume></medium>",
+        &[
+            "text.VDB",
+            if cfg!(feature = "openvdb") {
+                "not a VDB file"
+            } else {
+                "libopenvdb-dev and libboost-dev, and build it with `cargo build --release --features openvdb`"
+            },
+        ],
+    ),
 ];
 
 #[test]
@@ -100,6 +111,7 @@ fn mistakes_are_told_with_their_place() {
     for (inside, words) in MISTAKES {
         let stage = Stage::new();
         stage.file("text.vol", "a text");
+        stage.file("text.VDB", "a text of some length");
         let shape = format!("<shape type='sphere'>{inside}</shape>");
         let said = stage.error(&shape).to_string();
         for word in *words {
