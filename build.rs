@@ -1,6 +1,9 @@
-//! Finds Debian's Embree and OpenImageIO, makes Rust declarations of the one and compiles the shim of
-//! the other. A missing library ends the build with the name of the package that has it.
+//! Finds Debian's Embree, OpenImageIO and Draco, makes Rust declarations of the first and compiles the
+//! shims of the others. A missing library ends the build with the name of the package that has it.
 
+#[cfg(feature = "draco")]
+#[path = "ffi/draco_build.rs"]
+mod draco;
 #[cfg(feature = "embree")]
 #[path = "ffi/embree_build.rs"]
 mod embree;
@@ -12,6 +15,8 @@ fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rustc-check-cfg=cfg(embree3)");
     println!("cargo::rustc-check-cfg=cfg(embree4)");
+    #[cfg(feature = "draco")]
+    draco::configure();
     #[cfg(feature = "embree")]
     embree::configure();
     #[cfg(feature = "oiio")]

@@ -14,7 +14,9 @@ pub use super::lobes::conductor::Conductor;
 pub use super::lobes::dielectric::Dielectric;
 pub use super::lobes::diffuse::Diffuse;
 pub use super::lobes::diffuse_transmitter::DiffuseTransmitter;
-pub use super::lobes::metallic_roughness::MetallicRoughness;
+pub use super::lobes::metallic_roughness::{
+    Anisotropy, DiffuseTransmission, Film, MetallicRoughness,
+};
 pub use super::lobes::null::Null;
 pub use super::lobes::phong::Phong;
 pub use super::lobes::plastic::Plastic;

@@ -88,6 +88,7 @@ mod needs;
 mod parameters;
 mod perturb;
 mod resolve;
+mod thin_film;
 mod transmittance;
 mod tree;
 mod volume;

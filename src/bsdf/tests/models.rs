@@ -102,12 +102,7 @@ pub(in crate::bsdf) fn principled(roughness: f32, eta: f32) -> Principled {
 }
 
 pub(in crate::bsdf) fn metallic_roughness(roughness: f32, metallic: f32) -> MetallicRoughness {
-    MetallicRoughness {
-        base_color: base(),
-        metallic: grey(metallic),
-        roughness: grey(roughness),
-        eta: 1.5,
-    }
+    MetallicRoughness::plain(base(), grey(metallic), grey(roughness), 1.5)
 }
 
 fn coating(inner: MaterialId) -> Material {

@@ -36,6 +36,8 @@ pub struct Parts {
     pub media: Media,
     /// Emitters, those of shapes included.
     pub emitters: Vec<Emitter>,
+    /// How many of them show a surface's colour and are not meant to light anything.
+    pub unlit: usize,
     /// What they are called, by number, those that have a name.
     pub emitter_names: BTreeMap<u32, String>,
     /// Cameras, in the order of the files.

@@ -6,14 +6,21 @@ use serde_json::Value;
 
 /// Extensions that are understood, if not always to the last of their parameters: what is left out
 /// of them is told where it is met.
-pub(super) const KNOWN: [&str; 18] = [
+pub(super) const KNOWN: [&str; 28] = [
     "EXT_mesh_gpu_instancing",
-    super::meshopt::NAME,
+    super::meshopt::NAMES[0],
+    "EXT_texture_avif",
     "EXT_texture_webp",
+    "KHR_animation_pointer",
+    "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
+    "KHR_materials_diffuse_transmission",
+    "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_iridescence",
     "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_sheen",
     "KHR_materials_specular",
@@ -22,6 +29,9 @@ pub(super) const KNOWN: [&str; 18] = [
     "KHR_materials_variants",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
+    super::meshopt::NAMES[1],
+    "KHR_node_visibility",
+    "KHR_texture_basisu",
     "KHR_texture_transform",
     "KHR_xmp_json_ld",
     "KHR_xmp",
@@ -58,6 +68,14 @@ impl<'a> Extension<'a> {
         let list = self.0.get(key).and_then(Value::as_array);
         let alpha = list.and_then(|l| l.get(3)?.as_f64());
         alpha.map_or(1.0, |v| v as f32)
+    }
+
+    /// Of `KHR_materials_specular`: whether it says other than that facets reflect as they do.
+    pub fn changes_reflectance(&self) -> bool {
+        let textures = ["specularTexture", "specularColorTexture"];
+        self.number("specularFactor", 1.0) != 1.0
+            || self.color("specularColorFactor", Rgb::ONE) != Rgb::ONE
+            || textures.iter().any(|key| self.0.get(key).is_some())
     }
 
     /// A texture.

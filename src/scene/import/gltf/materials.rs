@@ -3,6 +3,7 @@
 //! ```text
 //!  Mask (alpha) > TwoSided > NormalMap > Blend (clear coat) > metallic-roughness
 //!                                                           > principled (sheen, glass), principledthin
+//!                                                           > black, and emission (unlit)
 //! ```
 //!
 //! All models take the square of a perceptual roughness as the width of GGX facets, and 0.04 as the
@@ -43,6 +44,8 @@ pub(super) struct Finish {
     pub emission: Option<Texture>,
     /// Whether it glows on both sides.
     pub both_sides: bool,
+    /// It glows with its own colour, which is not meant to light anything.
+    pub unlit: bool,
 }
 
 /// The parameters that both workflows come down to.
@@ -51,10 +54,11 @@ pub(super) struct Core {
     pub alpha: Texture,
     pub roughness: Texture,
     pub metallic: Texture,
-    /// Reflectance at normal incidence of the dielectric part.
-    pub f0: f32,
-    /// The index of refraction itself, for what is transmitted.
+    /// The index of refraction.
     pub ior: f32,
+    /// Factor on the reflectance of the dielectric part, and on that at normal incidence alone.
+    pub specular: Texture,
+    pub specular_color: Texture,
     /// A metal of a colour of its own beside all that.
     pub metal: Option<Metal>,
 }
@@ -64,6 +68,36 @@ pub(super) struct Metal {
     pub share: Texture,
     pub color: Texture,
 }
+
+/// The textures of the extensions, in the order in which they say which coordinates are read.
+const TEXTURES: [(&str, &[&str]); 8] = [
+    (
+        "KHR_materials_pbrSpecularGlossiness",
+        &["diffuseTexture", "specularGlossinessTexture"],
+    ),
+    ("KHR_materials_transmission", &["transmissionTexture"]),
+    (
+        "KHR_materials_clearcoat",
+        &["clearcoatTexture", "clearcoatRoughnessTexture"],
+    ),
+    (
+        "KHR_materials_specular",
+        &["specularTexture", "specularColorTexture"],
+    ),
+    ("KHR_materials_sheen", &["sheenColorTexture"]),
+    ("KHR_materials_anisotropy", &["anisotropyTexture"]),
+    (
+        "KHR_materials_iridescence",
+        &["iridescenceTexture", "iridescenceThicknessTexture"],
+    ),
+    (
+        "KHR_materials_diffuse_transmission",
+        &[
+            "diffuseTransmissionTexture",
+            "diffuseTransmissionColorTexture",
+        ],
+    ),
+];
 
 /// How messages call a material.
 pub(super) fn name_of(material: &schema::Material, index: Option<usize>) -> String {
@@ -77,7 +111,18 @@ pub(super) fn name_of(material: &schema::Material, index: Option<usize>) -> Stri
 /// Whether the material emits light.
 pub(super) fn glows(material: &schema::Material) -> bool {
     let factor = material.emissive_factor.unwrap_or_default();
-    factor.iter().any(|f| *f > 0.0)
+    is_unlit(material) || factor.iter().any(|f| *f > 0.0)
+}
+
+/// Whether the material shows its colour whatever falls on it (`KHR_materials_unlit`).
+pub(super) fn is_unlit(material: &schema::Material) -> bool {
+    Extension::of(&material.extensions, "KHR_materials_unlit").is_some()
+}
+
+/// Whether the material depends on where the texture's axes point.
+pub(super) fn follows_tangents(material: &schema::Material) -> bool {
+    let brushed = Extension::of(&material.extensions, "KHR_materials_anisotropy");
+    material.normal_texture.is_some() || brushed.is_some()
 }
 
 /// The texture coordinates that a material reads: those of its colour, or of its first texture.
@@ -94,13 +139,9 @@ pub(super) fn all_textures(material: &schema::Material) -> Vec<TextureInfo> {
     }
     list.extend(material.normal_texture.clone());
     list.extend(material.emissive_texture.clone());
-    for (name, key) in [
-        ("KHR_materials_pbrSpecularGlossiness", "diffuseTexture"),
-        ("KHR_materials_transmission", "transmissionTexture"),
-        ("KHR_materials_clearcoat", "clearcoatTexture"),
-    ] {
+    for (name, keys) in TEXTURES {
         let extension = Extension::of(&material.extensions, name);
-        list.extend(extension.and_then(|e| e.texture(key)));
+        list.extend(keys.iter().filter_map(|key| extension?.texture(key)));
     }
     list
 }
@@ -124,7 +165,11 @@ impl Importer<'_> {
         self.tell_what_is_left_out(material);
         let of = name_of(material, variant.index);
         let core = self.core(material, variant, &of)?;
-        let emission = self.emission(material, &of)?;
+        let unlit = is_unlit(material);
+        let emission = match unlit {
+            true => Some(core.color.clone()),
+            false => self.emission(material, &of)?,
+        };
         let id = match self.only_material {
             Some((id, _)) => id,
             None => self.surface(material, variant, core, &of)?,
@@ -142,7 +187,9 @@ impl Importer<'_> {
         let finish = Finish {
             material: id,
             emission: emission.map(|e| e.times(opacity)),
-            both_sides: material.double_sided,
+            // Nothing is culled.
+            both_sides: material.double_sided || unlit,
+            unlit,
         };
         self.finishes.insert(variant, finish.clone());
         Ok(finish)
@@ -156,15 +203,19 @@ impl Importer<'_> {
         of: &str,
     ) -> Result<MaterialId, ImportError> {
         let alpha = core.alpha.clone();
-        let unlit = Extension::of(&material.extensions, "KHR_materials_unlit").is_some();
-        let (base, transmits) = if unlit {
-            let reflectance = core.color;
+        let (mut id, transmits) = if is_unlit(material) {
+            // What is seen is its emission.
+            let reflectance = Texture::Constant(Rgb::ZERO);
             (self.push(Diffuse { reflectance }), false)
         } else {
-            self.body(material, core, of)?
+            let (base, transmits) = self.body(material, core, variant, of)?;
+            (self.coated(material, base, of)?, transmits)
         };
-        let mut id = self.coated(material, base, of)?;
-        if let Some(info) = &material.normal_texture {
+        if let Some(info) = material
+            .normal_texture
+            .as_ref()
+            .filter(|_| !is_unlit(material))
+        {
             if let Some(normals) = self.texture(info, Use::Vector)? {
                 let scale = info.scale.unwrap_or(1.0);
                 let normals = bent_normals(normals, scale, variant.mirrored);
@@ -268,14 +319,15 @@ impl Importer<'_> {
         let roughness = pbr.roughness_factor.unwrap_or(1.0);
         let roughness = self.fraction(&format!("{of}: roughnessFactor"), roughness);
         let (metallic, roughness) = (Rgb::splat(metallic), Rgb::splat(roughness));
-        let (f0, ior) = self.dielectric(material, of);
+        let dielectric = self.dielectric(material, of)?;
         Ok(Core {
             color: self.textured(color, Use::Color, base)?,
             alpha: self.opacity(material, color, a)?,
             roughness: self.textured(surface, Use::Channel(1), roughness)?,
             metallic: self.textured(surface, Use::Channel(2), metallic)?,
-            f0,
-            ior,
+            ior: dielectric.ior,
+            specular: dielectric.specular,
+            specular_color: dielectric.specular_color,
             metal: None,
         })
     }

@@ -1,0 +1,47 @@
+//! Compiles the C++ shim over Debian's Draco and links both.
+
+use std::process::exit;
+
+/// Called by build.rs.
+pub fn configure() {
+    for file in ["draco_build.rs", "draco_shim.h", "draco_shim.cpp"] {
+        println!("cargo::rerun-if-changed=ffi/{file}");
+    }
+    println!("cargo::rerun-if-env-changed=CXX");
+    let library = pkg_config::Config::new()
+        .cargo_metadata(false)
+        .probe("draco");
+    let library = library.unwrap_or_else(|e| missing(&format!("Draco was not found: {e}")));
+    let mut build = cc::Build::new();
+    build
+        .cpp(true)
+        .std("c++17")
+        .warnings(true)
+        .file("ffi/draco_shim.cpp");
+    // The compiler's own directory must not be named again: it would come before C++'s headers.
+    let usual = std::path::Path::new("/usr/include");
+    for path in library.include_paths.iter().filter(|p| *p != usual) {
+        // As a system directory: warnings inside its headers are not ours.
+        build.flag("-isystem").flag(path);
+    }
+    if let Err(e) = build.try_compile("twintree_draco_shim") {
+        missing(&format!("the shim over Draco does not compile: {e}"));
+    }
+    for path in &library.link_paths {
+        println!("cargo::rustc-link-search=native={}", path.display());
+    }
+    println!("cargo::rustc-link-lib=draco");
+}
+
+/// Ends the build with what to install.
+fn missing(why: &str) -> ! {
+    for line in why.lines() {
+        println!("cargo::error={line}");
+    }
+    println!(
+        "cargo::error=The feature `draco` needs Debian's Draco and a C++ compiler: \
+         `apt-get install libdraco-dev g++ pkg-config`. Without the feature, meshes that Draco \
+         compressed are refused."
+    );
+    exit(0)
+}
