@@ -84,3 +84,30 @@ impl<'a> Extension<'a> {
         serde_json::from_value(value).ok()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::KNOWN;
+
+    /// The names in the first column of a table of the manual.
+    fn rows<'a>(page: &'a str, head: &str) -> Vec<&'a str> {
+        let table = page.split(head).nth(1).unwrap();
+        let table = table
+            .split("\n\n")
+            .find(|part| part.starts_with('|'))
+            .unwrap();
+        let first = |line: &'a str| line.split('|').nth(1).map(str::trim);
+        let names = table.lines().skip(2).filter_map(first);
+        names.map(|name| name.trim_matches('`')).collect()
+    }
+
+    #[test]
+    fn the_manual_has_a_line_for_every_extension_and_no_others() {
+        let page = include_str!("../../../manual/models.md");
+        let mut known = KNOWN.to_vec();
+        known.sort_unstable();
+        let mut told = rows(page, "## glTF extensions");
+        told.sort_unstable();
+        assert_eq!(told, known);
+    }
+}
