@@ -40,7 +40,7 @@ impl Studio {
             };
             parts.add_emitter(around, "environment");
         }
-        let default = match parts.emitters.len() > parts.unlit {
+        let default = match parts.emitters.len() > parts.faint {
             false => Sky::Studio,
             true => Sky::None,
         };

@@ -14,9 +14,9 @@
 use super::extension::Extension;
 use super::primitive::{ALPHA, COLOR};
 use super::schema::{self, TextureInfo};
-use super::textures::{Use, bent_normals, uv_set};
+use super::textures::{Use, uv_set};
 use super::{Importer, error};
-use crate::bsdf::material::{Diffuse, InvalidNormals};
+use crate::bsdf::material::Diffuse;
 use crate::bsdf::{Material, MaterialId};
 use crate::math::Rgb;
 use crate::scene::import::ImportError;
@@ -44,8 +44,8 @@ pub(super) struct Finish {
     pub emission: Option<Texture>,
     /// Whether it glows on both sides.
     pub both_sides: bool,
-    /// It glows with its own colour, which is not meant to light anything.
-    pub unlit: bool,
+    /// What glows is meant to light something.
+    pub is_lamp: bool,
 }
 
 /// The parameters that both workflows come down to.
@@ -78,7 +78,11 @@ const TEXTURES: [(&str, &[&str]); 8] = [
     ("KHR_materials_transmission", &["transmissionTexture"]),
     (
         "KHR_materials_clearcoat",
-        &["clearcoatTexture", "clearcoatRoughnessTexture"],
+        &[
+            "clearcoatTexture",
+            "clearcoatRoughnessTexture",
+            "clearcoatNormalTexture",
+        ],
     ),
     (
         "KHR_materials_specular",
@@ -119,10 +123,22 @@ pub(super) fn is_unlit(material: &schema::Material) -> bool {
     Extension::of(&material.extensions, "KHR_materials_unlit").is_some()
 }
 
+/// Whether a material that emits light is a lamp: brighter than the white that factors reach by
+/// themselves.
+fn is_lamp(material: &schema::Material) -> bool {
+    let name = "KHR_materials_emissive_strength";
+    let strength = Extension::of(&material.extensions, name);
+    let strength = strength.map_or(1.0, |e| e.number("emissiveStrength", 1.0));
+    let factor = Rgb::from(material.emissive_factor.unwrap_or_default());
+    !is_unlit(material) && factor.max_element() * strength > 1.0
+}
+
 /// Whether the material depends on where the texture's axes point.
 pub(super) fn follows_tangents(material: &schema::Material) -> bool {
     let brushed = Extension::of(&material.extensions, "KHR_materials_anisotropy");
-    material.normal_texture.is_some() || brushed.is_some()
+    let coat = Extension::of(&material.extensions, "KHR_materials_clearcoat");
+    let coat = coat.and_then(|c| c.texture("clearcoatNormalTexture"));
+    material.normal_texture.is_some() || brushed.is_some() || coat.is_some()
 }
 
 /// The texture coordinates that a material reads: those of its colour, or of its first texture.
@@ -189,7 +205,7 @@ impl Importer<'_> {
             emission: emission.map(|e| e.times(opacity)),
             // Nothing is culled.
             both_sides: material.double_sided || unlit,
-            unlit,
+            is_lamp: is_lamp(material),
         };
         self.finishes.insert(variant, finish.clone());
         Ok(finish)
@@ -209,23 +225,11 @@ impl Importer<'_> {
             (self.push(Diffuse { reflectance }), false)
         } else {
             let (base, transmits) = self.body(material, core, variant, of)?;
-            (self.coated(material, base, of)?, transmits)
+            (
+                self.layered(material, base, variant.mirrored, of)?,
+                transmits,
+            )
         };
-        if let Some(info) = material
-            .normal_texture
-            .as_ref()
-            .filter(|_| !is_unlit(material))
-        {
-            if let Some(normals) = self.texture(info, Use::Vector)? {
-                let scale = info.scale.unwrap_or(1.0);
-                let normals = bent_normals(normals, scale, variant.mirrored);
-                id = self.push(Material::NormalMap {
-                    normals,
-                    invalid_normals: InvalidNormals::default(),
-                    inner: id,
-                });
-            }
-        }
         if !transmits {
             id = self.push(Material::TwoSided {
                 front: id,

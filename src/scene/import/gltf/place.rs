@@ -254,7 +254,7 @@ impl<'a> Importer<'a> {
             })?;
             let shape = self.parts.shapes.len() as u32;
             let emitter = finish.emission.map(|radiance| {
-                self.parts.unlit += usize::from(finish.unlit);
+                self.parts.faint += usize::from(!finish.is_lamp);
                 self.parts.emitters.push(Emitter::Area {
                     shape,
                     radiance,

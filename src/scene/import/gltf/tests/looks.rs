@@ -125,7 +125,54 @@ fn what_is_unlit_shows_its_colour_and_reflects_nothing() {
     assert_eq!(radiance.constant(), Some(Rgb::new(0.1, 0.2, 0.3)));
     assert!(both_sides);
     // It is no lamp: a studio lights what stands beside.
-    assert_eq!(parts.unlit, parts.emitters.len());
+    assert_eq!(parts.faint, parts.emitters.len());
+    for (strength, faint) in [(1, 1), (4, 0)] {
+        let parts = made_of(json!({"emissiveFactor": [0.5, 0.5, 0.5], "extensions": {
+            "KHR_materials_emissive_strength": {"emissiveStrength": strength},
+        }}));
+        assert_eq!(parts.faint, faint, "{strength}");
+    }
+}
+
+#[test]
+fn a_coat_has_normals_of_its_own() {
+    let map = |material: Value| {
+        let mut file = with_material(material);
+        let dir = tempfile::tempdir().unwrap();
+        let image = dir.path().join("flat.exr");
+        let flat = Image::from_rgb(1, 1, &[Rgb::new(0.5, 0.5, 1.0)]);
+        crate::image::write(&image, &flat, &WriteOptions::default()).unwrap();
+        file.json["images"] = json!([{"uri": image.to_str().unwrap()}]);
+        file.json["textures"] = json!([{"source": 0}, {"source": 0}]);
+        let parts = file.load();
+        // From the outside in.
+        let (mut names, mut id) = (Vec::new(), parts.shapes[0].material);
+        loop {
+            let material = parts.materials.get(id);
+            names.push(material.name());
+            id = match material {
+                Material::TwoSided { front, .. } => *front,
+                Material::NormalMap { inner, .. } | Material::Coating { inner, .. } => *inner,
+                _ => return (names[1..].join(" "), parts.warnings.join(" ")),
+            };
+        }
+    };
+    let coat = |normals: Value| {
+        let mut coat = json!({"clearcoatFactor": 1});
+        if !normals.is_null() {
+            coat["clearcoatNormalTexture"] = normals;
+        }
+        let extensions = json!({"KHR_materials_clearcoat": coat});
+        map(json!({"normalTexture": {"index": 0}, "extensions": extensions}))
+    };
+    let (names, told) = coat(Value::Null);
+    assert_eq!(names, "coating normalmap metallic-roughness");
+    assert_eq!(told, "");
+    let (names, _) = coat(json!({"index": 0}));
+    assert_eq!(names, "normalmap coating metallic-roughness");
+    let (names, told) = coat(json!({"index": 1}));
+    assert_eq!(names, "normalmap coating normalmap metallic-roughness");
+    assert!(told.contains("clearcoatNormalTexture"), "{told}");
 }
 
 #[test]
