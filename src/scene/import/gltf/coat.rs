@@ -2,19 +2,12 @@
 
 use super::Importer;
 use super::extension::Extension;
-use super::layers::number;
 use super::schema::{self, TextureInfo};
 use super::textures::{Use, bent_normals};
-use crate::bsdf::material::{Distribution, InvalidNormals, Roughness, white};
+use crate::bsdf::material::InvalidNormals;
 use crate::bsdf::{Material, MaterialId};
 use crate::math::Rgb;
 use crate::scene::import::ImportError;
-use crate::texture::Texture;
-
-/// Index of refraction of clear coats: KHR_materials_clearcoat fixes it.
-const COAT_IOR: f32 = 1.5;
-/// Narrowest facets of a rough coat; smoother ones are taken as smooth.
-const SMOOTH: f32 = 1e-3;
 
 impl Importer<'_> {
     /// `base` with the normals of its map, under the clear coat if there is one, which has normals
@@ -87,42 +80,12 @@ impl Importer<'_> {
         let roughness = self.fraction(&format!("{of}: clearcoatRoughnessFactor"), roughness);
         let info = coat.texture("clearcoatRoughnessTexture");
         let roughness = self.textured(info.as_ref(), Use::Channel(1), Rgb::splat(roughness))?;
-        // The facets' width is the square of the roughness.
-        let coated = self.push(coating(roughness.clone().times(roughness), inner));
         let info = coat.texture("clearcoatTexture");
         let weight = self.textured(info.as_ref(), Use::Channel(0), Rgb::splat(factor))?;
-        if weight.constant() == Some(Rgb::ONE) {
-            return Ok(coated);
-        }
-        Ok(self.push(Material::Blend {
+        Ok(self.push(Material::ClearCoat {
             weight,
-            first: inner,
-            second: coated,
-        }))
-    }
-}
-
-fn coating(alpha: Texture, inner: MaterialId) -> Material {
-    let (sigma_a, specular_reflectance) = (number(0.0), white());
-    if alpha.constant().is_some_and(|a| a.x < SMOOTH) {
-        return Material::Coating {
-            eta: COAT_IOR,
-            thickness: 0.0,
-            sigma_a,
-            specular_reflectance,
+            roughness,
             inner,
-        };
-    }
-    Material::RoughCoating {
-        eta: COAT_IOR,
-        roughness: Roughness {
-            distribution: Distribution::Ggx,
-            alpha_u: alpha.clone(),
-            alpha_v: alpha,
-        },
-        thickness: 0.0,
-        sigma_a,
-        specular_reflectance,
-        inner,
+        }))
     }
 }

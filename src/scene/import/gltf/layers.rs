@@ -12,7 +12,7 @@ use crate::math::{Rgb, luminance};
 use crate::scene::import::ImportError;
 use crate::texture::Texture;
 
-pub(super) fn number(value: f32) -> Texture {
+fn number(value: f32) -> Texture {
     Texture::Constant(Rgb::splat(value))
 }
 

@@ -87,7 +87,7 @@ fn coordinates_of_faces_corners_divide_the_vertices() {
         property list uchar int vertex_indices\nproperty list uchar float texcoord\nend_header\n\
         0 0 0 255 255 255 255\n1 0 0 255 0 0 255\n1 1 0 255 255 255 255\n0 1 0 255 255 255 255\n\
         3 0 1 2 6 0.1 0.2 0.3 0.4 0.5 0.6\n3 0 2 3 6 0.1 0.2 0.9 0.8 0.7 0.6\n";
-    folder.write("a.ply", text.to_owned());
+    folder.write("a.ply", text);
     let parts = folder.load(&["a.ply"], None).unwrap();
     let told = parts.warnings.join("\n");
     assert!(
