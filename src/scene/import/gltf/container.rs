@@ -1,7 +1,6 @@
 //! The bytes of a glTF file: JSON and buffers, from a `.gltf` with files beside it or from one
 //! `.glb`.
 
-use super::draco;
 use super::meshopt::{self, Compression};
 use super::schema::{Buffer, BufferView, Document};
 use super::{error, hint};
@@ -30,7 +29,7 @@ pub(super) struct Container {
     buffers: Vec<Bytes>,
     /// Buffer views that were compressed.
     decoded: HashMap<usize, Vec<u8>>,
-    /// Accessors whose elements are not in a buffer view, by number.
+    /// Accessors whose elements are not in a buffer view, by number: none when the file is opened.
     pub unpacked: HashMap<usize, Unpacked>,
     allowance: Allowance,
 }
@@ -121,7 +120,6 @@ impl Container {
         let held = held.map(|b| b.of(&container.file).len() as u64);
         container.allowance.most = limit.most(held.sum());
         container.decoded = container.decompress()?;
-        container.unpacked = draco::unpack(&container)?;
         Ok(container)
     }
 

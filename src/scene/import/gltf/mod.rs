@@ -85,6 +85,7 @@ pub fn load(
     parts: &mut Parts,
 ) -> Result<(), ImportError> {
     let mut container = Container::open(path, options.decode)?;
+    container.unpacked = draco::unpack(&container)?;
     let told = match &gltf.show.moment {
         Some(moment) => pose::strike(&mut container, moment)?,
         None if container.document.animations.is_empty() => Vec::new(),
