@@ -16,6 +16,7 @@ pub fn compiler() -> cc::Build {
 
 /// The compiler of a build, which has been started once to see that it is there. `Err` says why it is
 /// not.
+#[cfg(any(feature = "oiio", feature = "openvdb"))]
 pub fn tool(build: &cc::Build) -> Result<cc::Tool, String> {
     let tool = build
         .try_get_compiler()
@@ -50,6 +51,7 @@ fn reason(error: &pkg_config::Error) -> String {
 }
 
 /// Runs a command that makes a shim of the library `name`. `Err` is what it said.
+#[cfg(any(feature = "oiio", feature = "openvdb"))]
 pub fn run(command: &mut Command, name: &str) -> Result<(), String> {
     match command.output() {
         Ok(done) if done.status.success() => Ok(()),

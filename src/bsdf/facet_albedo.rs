@@ -122,6 +122,15 @@ impl AlbedoCurve {
         })
     }
 
+    /// The albedos of facets as rough that reflect everything.
+    pub fn of_mirrors(&self) -> Self {
+        Self {
+            first: [(CONTRASTS.len() - 2) as u16, self.first[1]],
+            beyond: [1.0, self.beyond[1]],
+            ..*self
+        }
+    }
+
     /// Albedo under light from everywhere.
     #[inline]
     pub fn mean(&self) -> f32 {

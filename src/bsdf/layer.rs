@@ -72,7 +72,7 @@ fn refracted(w: Vec3, ratio: f32) -> Vec3 {
 }
 
 /// A random number below `p` or not, stretched to the unit interval again.
-fn split(u: f32, p: f32) -> (bool, f32) {
+pub(super) fn split(u: f32, p: f32) -> (bool, f32) {
     if u < p {
         (true, u / p)
     } else {

@@ -4,6 +4,7 @@
 //! [`Texture`]s, the others plain numbers.
 
 use super::MaterialId;
+use super::facet_albedo::facet_albedo;
 use super::lobes::either_lobe;
 use super::model::{Lookup, Model, Textures};
 use super::transmittance::RoughTransmittance;
@@ -14,7 +15,9 @@ pub use super::lobes::conductor::Conductor;
 pub use super::lobes::dielectric::Dielectric;
 pub use super::lobes::diffuse::Diffuse;
 pub use super::lobes::diffuse_transmitter::DiffuseTransmitter;
-pub use super::lobes::metallic_roughness::MetallicRoughness;
+pub use super::lobes::metallic_roughness::{
+    Anisotropy, DiffuseTransmission, Film, MetallicRoughness,
+};
 pub use super::lobes::null::Null;
 pub use super::lobes::phong::Phong;
 pub use super::lobes::plastic::Plastic;
@@ -251,6 +254,15 @@ materials! {
             /// The coated material.
             inner: MaterialId,
         },
+        /// A clear varnish of index 1.5 (glTF's `KHR_materials_clearcoat`).
+        ClearCoat = "clearcoat" {
+            /// How much of the surface has it, 0 to 1.
+            weight: Texture,
+            /// Perceptual roughness, the square root of its facets' width.
+            roughness: Texture,
+            /// The coated material.
+            inner: MaterialId,
+        },
     }
 }
 
@@ -265,7 +277,8 @@ impl Material {
             | Self::BumpMap { inner, .. }
             | Self::NormalMap { inner, .. }
             | Self::Coating { inner, .. }
-            | Self::RoughCoating { inner, .. } => ([Some(*inner), None], &[]),
+            | Self::RoughCoating { inner, .. }
+            | Self::ClearCoat { inner, .. } => ([Some(*inner), None], &[]),
             _ => ([None, None], &[]),
         };
         let parts = parts.iter().map(|p| p.1);
@@ -294,6 +307,9 @@ impl Material {
                 vec![specular_reflectance],
                 vec![&roughness.alpha_u, sigma_a],
             ),
+            Self::ClearCoat {
+                weight, roughness, ..
+            } => (vec![], vec![weight, roughness]),
             _ => return self.model().map(Model::textures).unwrap_or_default(),
         };
         Textures { linear, nonlinear }
@@ -303,6 +319,10 @@ impl Material {
     pub(super) fn prepare(&self) -> Option<&'static RoughTransmittance> {
         match self {
             Self::RoughCoating { eta, roughness, .. } => Some(roughness.coat_table(*eta)),
+            Self::ClearCoat { .. } => {
+                facet_albedo();
+                None
+            }
             _ => self.model()?.prepare(),
         }
     }

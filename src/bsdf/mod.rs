@@ -72,6 +72,7 @@ pub struct BsdfSample {
     pub lobe: LobeFlags,
 }
 
+mod clear_coat;
 mod coat_and_base;
 mod delta_split;
 mod diffuse_only;
@@ -88,6 +89,7 @@ mod needs;
 mod parameters;
 mod perturb;
 mod resolve;
+mod thin_film;
 mod transmittance;
 mod tree;
 mod volume;

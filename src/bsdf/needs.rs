@@ -22,7 +22,12 @@ impl Materials {
     pub fn scatters(&self, id: MaterialId) -> bool {
         self.any(id, &|m| match m.model() {
             Some(model) => model.scatters(),
-            None => matches!(m, Material::RoughCoating { .. }) || m.inner().next().is_none(),
+            None => {
+                matches!(
+                    m,
+                    Material::RoughCoating { .. } | Material::ClearCoat { .. }
+                ) || m.inner().next().is_none()
+            }
         })
     }
 

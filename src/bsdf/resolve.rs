@@ -1,6 +1,7 @@
 //! From a material and a point to numbers: every texture is looked up once, sides are chosen,
 //! frames turned.
 
+use super::clear_coat::ClearCoat;
 use super::diffuse_only::Form;
 use super::fresnel::sane_eta;
 use super::layer::{Coating, Layer, RoughCoating};
@@ -281,6 +282,15 @@ impl Resolver<'_> {
                     table: at.coat_table(roughness, *eta),
                 };
                 self.tree.push(Node::RoughCoating(coating, inner))
+            }
+            Material::ClearCoat {
+                weight,
+                roughness,
+                inner,
+            } => {
+                let coat = ClearCoat::new(at.scalar(weight), at.scalar(roughness));
+                let inner = self.child(id, *inner, frame, wo);
+                self.tree.push(Node::ClearCoat(coat, inner))
             }
             _ => self.tree.push(Node::Black),
         }

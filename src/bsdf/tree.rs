@@ -4,6 +4,7 @@
 //! Nearly every material is one node, or two with a bump map; the array holds [`INLINE`] of them in
 //! place and goes to the heap only for deeper nests.
 
+use super::clear_coat::ClearCoat;
 use super::layer::{Coating, RoughCoating};
 use super::lobes::rough_plastic::RoughPlasticLobe;
 use super::lobes::{Lobe, weighted};
@@ -35,6 +36,7 @@ pub(super) enum Node {
     Mix(Mix),
     Coating(Coating, NodeId),
     RoughCoating(RoughCoating, NodeId),
+    ClearCoat(ClearCoat, NodeId),
     /// No surface: a collision inside of a medium.
     Collision(Collision),
 }
@@ -137,6 +139,7 @@ impl Tree {
             Node::Mix(mix) => self.eval_mix(mix, wo, wi, transport),
             Node::Coating(c, inner) => c.eval_pdf(&self.at(*inner), wo, wi, transport),
             Node::RoughCoating(c, inner) => c.eval_pdf(&self.at(*inner), wo, wi, transport),
+            Node::ClearCoat(c, inner) => c.eval_pdf(&self.at(*inner), wo, wi, transport),
         }
     }
 
@@ -164,6 +167,7 @@ impl Tree {
             Node::Mix(mix) => self.sample_mix(mix, wo, u_lobe, u, transport),
             Node::Coating(c, inner) => c.sample(&self.at(*inner), wo, (u_lobe, u), transport),
             Node::RoughCoating(c, inner) => c.sample(&self.at(*inner), wo, (u_lobe, u), transport),
+            Node::ClearCoat(c, inner) => c.sample(&self.at(*inner), wo, (u_lobe, u), transport),
         }
     }
 
@@ -217,6 +221,7 @@ impl Tree {
             Node::Mix(mix) => self.flags(mix.first) | self.flags(mix.second),
             Node::Coating(_, inner) => self.flags(*inner) | Coating::FLAGS,
             Node::RoughCoating(_, inner) => self.flags(*inner) | RoughCoating::FLAGS,
+            Node::ClearCoat(_, inner) => self.flags(*inner) | ClearCoat::FLAGS,
         }
     }
 
@@ -231,7 +236,9 @@ impl Tree {
                 let [a, b] = mix.weights;
                 self.albedo(mix.first) * a + self.albedo(mix.second) * b
             }
-            &Node::Coating(_, inner) | &Node::RoughCoating(_, inner) => self.albedo(inner),
+            &Node::Coating(_, inner)
+            | &Node::RoughCoating(_, inner)
+            | &Node::ClearCoat(_, inner) => self.albedo(inner),
         }
     }
 
@@ -247,7 +254,9 @@ impl Tree {
                 let [a, b] = mix.weights;
                 self.normal(mix.first) * a + self.normal(mix.second) * b
             }
-            &Node::Coating(_, inner) | &Node::RoughCoating(_, inner) => self.normal(inner),
+            &Node::Coating(_, inner)
+            | &Node::RoughCoating(_, inner)
+            | &Node::ClearCoat(_, inner) => self.normal(inner),
         }
     }
 
@@ -262,6 +271,7 @@ impl Tree {
             }
             Node::Mix(mix) => smaller(self.roughness(mix.first), self.roughness(mix.second)),
             Node::RoughCoating(c, inner) => smaller(Some(c.alpha()), self.roughness(*inner)),
+            Node::ClearCoat(c, inner) => smaller(Some(c.alpha()), self.roughness(*inner)),
         }
     }
 }

@@ -14,6 +14,7 @@ use crate::report::totals::{TextureTotals, triangles};
 use crate::report::words;
 use crate::scene::fingerprint::{fingerprint, world_fingerprint};
 use crate::scene::import::default_scene::{Aperture, Sky, Studio};
+use crate::scene::import::gltf::Show;
 use crate::scene::import::models::{self, ModelKind, ModelOptions, ModelSource};
 use crate::scene::import::{ImportOptions, mitsuba};
 use crate::scene::precautions::watertight_edges;
@@ -220,6 +221,8 @@ fn check_no_studio(args: &StudioArgs, scene: &Path) -> Result<(), Failure> {
         ("--envmap", args.envmap.is_some()),
         ("--ground", args.ground.is_some()),
         ("--material", args.material.is_some()),
+        ("--variant", args.variant.is_some()),
+        ("--at", args.at.is_some()),
         ("--up", args.up != UpAxis::Y),
     ];
     let Some((name, _)) = options.iter().find(|o| o.1) else {
@@ -377,6 +380,10 @@ fn load_models(
     let settings = ModelOptions {
         material: args.material.clone(),
         z_up,
+        show: Show {
+            variant: args.variant.clone(),
+            moment: args.at.clone(),
+        },
     };
     for source in sources {
         if let Some(foreign) = foreign::by_path(&source.path) {

@@ -5,6 +5,7 @@ use super::values;
 use crate::image::decoded::DecodeLimit;
 use crate::math::DVec3;
 use crate::scene::import::default_scene::{self, ProjectionKind, Sky, Viewpoint};
+use crate::scene::import::gltf::Moment;
 use crate::scene::import::models::palette::Paint;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
@@ -119,6 +120,13 @@ pub struct StudioArgs {
     /// clay:#cc3311 [default: the models' own; clay, with the colours of their vertices]
     #[arg(long, value_name = "MATERIAL")]
     pub material: Option<Paint>,
+    /// The variant of glTF files whose materials are shown [default: their default materials]
+    #[arg(long, value_name = "NAME")]
+    pub variant: Option<String>,
+    /// A moment of an animation of glTF files, with its name or number before a colon where it is
+    /// not the first, as in Walk:1.5 [default: the files' own pose]
+    #[arg(long, value_name = "[ANIMATION:]SECONDS", allow_hyphen_values = true)]
+    pub at: Option<Moment>,
     /// Axis of the models that is up; glTF files are turned accordingly
     #[arg(long, value_name = "AXIS", default_value = "y")]
     pub up: UpAxis,

@@ -27,6 +27,11 @@ impl std::fmt::Display for Foreign {
 
 const EXPORT: &str = "export it there as glTF (.glb) or as a Mitsuba scene (.xml)";
 
+const USD: Foreign = Foreign {
+    what: "a USD file",
+    help: "tests/usd/usd_to_gltf.py among twintree's sources turns it into a .glb (pip install usd-core numpy), and so does whatever program opens it",
+};
+
 /// Files known by their first bytes.
 const BY_START: &[(&[u8], Foreign)] = &[
     (
@@ -74,8 +79,8 @@ const BY_START: &[(&[u8], Foreign)] = &[
     (
         b"PK\x03\x04",
         Foreign {
-            what: "a ZIP archive (.usdz files are some)",
-            help: "unpack it first; a .usdz is exported as glTF (.glb) from a program that opens it",
+            what: "a ZIP archive",
+            help: "unpack it first",
         },
     ),
     (
@@ -99,20 +104,8 @@ const BY_START: &[(&[u8], Foreign)] = &[
             help: EXPORT,
         },
     ),
-    (
-        b"PXR-USDC",
-        Foreign {
-            what: "a USD file",
-            help: EXPORT,
-        },
-    ),
-    (
-        b"#usda",
-        Foreign {
-            what: "a USD file",
-            help: EXPORT,
-        },
-    ),
+    (b"PXR-USDC", USD),
+    (b"#usda", USD),
     (
         b"Ogawa",
         Foreign {
@@ -190,14 +183,19 @@ pub fn by_head(head: &[u8]) -> Option<Foreign> {
 
 /// The same, for a file that ought to be the XML of a scene: text that is not is named as well.
 pub fn of_scene(path: &Path, head: &[u8]) -> Option<Foreign> {
+    let ends = |end: &str| {
+        path.extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case(end))
+    };
+    // A .usdz is a ZIP archive.
+    if ends("usdz") {
+        return Some(USD);
+    }
     let by_head = by_head(head);
     if by_head.is_some() {
         return by_head;
     }
-    if path
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("pbrt"))
-    {
+    if ends("pbrt") {
         return Some(PBRT);
     }
     let text = String::from_utf8_lossy(&head[..head.len().min(HEAD)]);
@@ -256,6 +254,21 @@ mod tests {
             (b"PK\x03\x04", "ZIP"),
         ] {
             assert!(named(head).contains(what), "{what}: {:?}", named(head));
+        }
+    }
+
+    #[test]
+    fn a_stage_of_usd_is_sent_to_the_script_that_converts_it() {
+        for (name, head) in [
+            ("a.usdz", &b"PK\x03\x04"[..]),
+            ("a.usd", b"PXR-USDC\0"),
+            ("a.usda", b"#usda 1.0\n"),
+        ] {
+            let help = of_scene(Path::new(name), head).map_or("", |f| f.help);
+            let script = help.split(' ').next().unwrap_or_default();
+            assert!(script.ends_with(".py"), "{name}: {help}");
+            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(script);
+            assert!(path.is_file(), "{}", path.display());
         }
     }
 

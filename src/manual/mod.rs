@@ -10,6 +10,7 @@
 //! | [`guiding`] | options of guiding, field files, what guiding gains |
 //! | [`parts`] | checkpoints, parts of an image on many machines, job files |
 //! | [`scenes`] | what of Mitsuba's scene files is read; models without a scene |
+//! | [`models`] | what of glTF, MTL, PLY, STL and USD is read, approximated, left out |
 //! | [`compare`] | how far images are from a reference; `sweep`: which settings suit a scene |
 //! | [`table1`] | the table of the method's paper |
 //! | [`stats`] | the keys of the `--stats` file |
@@ -34,6 +35,10 @@ pub mod media {
 }
 pub mod layers {
     #![doc = include_str!("layers.md")]
+}
+
+pub mod models {
+    #![doc = include_str!("models.md")]
 }
 
 pub mod parts {

@@ -124,6 +124,17 @@ def scenes():
     yield 'roughness texture', gltf(ball, rough, [checks((0, 60, 255, 255), (0, 200, 0, 255))])
     bumpy = plain(metallic=1.0, roughness=0.3, normalTexture={'index': 0})
     yield 'normal texture', gltf(ball, bumpy, [checks((160, 128, 250, 255), (96, 128, 250, 255))])
+    extended = {
+        'specular 0.3': {'KHR_materials_specular': {'specularFactor': 0.3}},
+        'specular colour': {'KHR_materials_specular': {'specularColorFactor': [1.0, 0.4, 0.1]}},
+        'anisotropy': {'KHR_materials_anisotropy': {'anisotropyStrength': 0.8}},
+        'anisotropy turned': {'KHR_materials_anisotropy': {'anisotropyStrength': 0.8, 'anisotropyRotation': 0.7}},
+        'clear coat': {'KHR_materials_clearcoat': {'clearcoatFactor': 1.0, 'clearcoatRoughnessFactor': 0.2}},
+        'sheen': {'KHR_materials_sheen': {'sheenColorFactor': [0.5, 0.5, 0.5], 'sheenRoughnessFactor': 0.5}},
+    }
+    for name, extensions in extended.items():
+        metallic = 1.0 if 'anisotropy' in name else 0.0
+        yield name, gltf(ball, plain(metallic=metallic, roughness=0.4, extensions=extensions))
 
 
 def cycles(path, out, spp):

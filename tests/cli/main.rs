@@ -31,4 +31,5 @@ mod sweeping;
 mod table1;
 mod targets;
 mod terminal;
+mod usd;
 mod words;

@@ -71,6 +71,11 @@ fn meshes() {
 }
 
 #[test]
+fn models() {
+    attack("gltf", 2000, 100, |input| targets::gltf(&input));
+}
+
+#[test]
 fn scenes() {
     attack("xml", 300, 1, |input| targets::xml(&input));
 }

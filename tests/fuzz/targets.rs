@@ -11,12 +11,15 @@ use twintree::film::Film;
 use twintree::film::part::PartReader;
 use twintree::guide::Trainer;
 use twintree::image;
+use twintree::image::decoded::DecodeLimit;
 use twintree::integrate::View;
 use twintree::integrate::progress::{Limits, Observer, Progress};
 use twintree::integrate::render::render;
 use twintree::integrate::{GuidedSettings, PathSettings};
 use twintree::math::{Rgb, Vec2, Vec3};
+use twintree::scene::import::gltf::{self, GltfOptions, Show};
 use twintree::scene::import::mesh::{MeshKind, MeshOptions, read};
+use twintree::scene::import::parts::Parts;
 use twintree::scene::import::{ImportOptions, mitsuba};
 use twintree::scene::{Description, Mesh, Scene};
 use twintree::texture::TextureStore;
@@ -95,6 +98,31 @@ fn thumbnail(mut description: Description) {
         let mean = film.pixel(x, y).mean();
         assert!(mean.iter().all(|m| m.is_finite()), "{mean:?}");
     }
+}
+
+/// Loads a glTF file at a moment of its animation, in a variant and without. Whether it could be
+/// loaded.
+pub fn gltf(text: &[u8]) -> bool {
+    let directory = tempfile::tempdir().expect("a directory");
+    let path = directory.path().join("model.gltf");
+    std::fs::write(&path, text).expect("the file is written");
+    let options = ImportOptions {
+        decode: DecodeLimit { bytes: 16 << 20 },
+        ..ImportOptions::new(Arc::new(TextureStore::new(1 << 20)))
+    };
+    let mut loaded = false;
+    for (variant, moment) in [(None, None), (Some("y".to_owned()), "0.7".parse().ok())] {
+        let show = Show { variant, moment };
+        let how = GltfOptions {
+            show,
+            ..GltfOptions::default()
+        };
+        match gltf::load(&path, &how, &options, &mut Parts::default()) {
+            Err(error) => worded(&error, "model.gltf"),
+            Ok(()) => loaded = true,
+        }
+    }
+    loaded
 }
 
 /// Reads a mesh; the first byte chooses the format. Whether it could be read.

@@ -127,6 +127,7 @@ pub fn gltf_scene(dir: &Path, text: &str) -> Description {
     std::fs::write(&path, text).unwrap();
     let mut parts = Parts::default();
     let how = GltfOptions {
+        show: Default::default(),
         boundary: None,
         to_world: DAffine3::IDENTITY,
         material: None,

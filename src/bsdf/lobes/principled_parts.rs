@@ -18,7 +18,7 @@ pub(super) fn facets(roughness: f32, anisotropic: f32) -> Microfacet {
 
 /// Schlick's fifth power.
 #[inline]
-pub(super) fn schlick_weight(cos: f32) -> f32 {
+pub(in crate::bsdf) fn schlick_weight(cos: f32) -> f32 {
     let m = (1.0 - cos).clamp(0.0, 1.0);
     let m2 = m * m;
     m2 * m2 * m

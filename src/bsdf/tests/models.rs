@@ -102,12 +102,7 @@ pub(in crate::bsdf) fn principled(roughness: f32, eta: f32) -> Principled {
 }
 
 pub(in crate::bsdf) fn metallic_roughness(roughness: f32, metallic: f32) -> MetallicRoughness {
-    MetallicRoughness {
-        base_color: base(),
-        metallic: grey(metallic),
-        roughness: grey(roughness),
-        eta: 1.5,
-    }
+    MetallicRoughness::plain(base(), grey(metallic), grey(roughness), 1.5)
 }
 
 fn coating(inner: MaterialId) -> Material {
@@ -172,6 +167,16 @@ pub(super) fn add(materials: &mut Materials, name: &str) -> MaterialId {
         "coated_diffuse" => coating(inner("diffuse")),
         "rough_coating" => rough_coating(inner("rough_conductor_ggx")),
         "rough_coated_diffuse" => rough_coating(inner("diffuse")),
+        "clear_coat" => Material::ClearCoat {
+            weight: grey(0.8),
+            roughness: grey(0.5),
+            inner: inner("metallic_roughness"),
+        },
+        "clear_coat_over_glass" => Material::ClearCoat {
+            weight: grey(1.0),
+            roughness: grey(0.4),
+            inner: inner("principled_glass"),
+        },
         _ => panic!("no model of the name {name}"),
     };
     materials.push(material)
@@ -198,6 +203,8 @@ pub(super) fn smooth() -> Vec<&'static str> {
         "coated_diffuse",
         "rough_coating",
         "rough_coated_diffuse",
+        "clear_coat",
+        "clear_coat_over_glass",
     ];
     examples(true).chain(around).collect()
 }

@@ -19,6 +19,20 @@ pub(super) fn resolve(folder: &Path, name: &str) -> PathBuf {
     folder.join(unquoted.replace('\\', "/"))
 }
 
+/// The file of the same name in `folder` itself, for a missing file that is named by a path of
+/// another machine: one that begins with a drive's letter, at the root, or at a server.
+pub(super) fn beside(path: &Path, folder: &Path, name: &str) -> Option<PathBuf> {
+    let name = name.trim_matches('"');
+    let drive = name.as_bytes().get(1) == Some(&b':');
+    let elsewhere = drive || name.starts_with(['/', '\\']);
+    if path.exists() || !elsewhere {
+        return None;
+    }
+    let last = name.rsplit(['/', '\\']).next()?;
+    let found = similar(&folder.join(last))?;
+    found.is_file().then_some(found)
+}
+
 /// What is said behind the name of a file that is missing: that there is one of the same name in
 /// other letters, or one in `folder` itself. Empty where there is neither.
 pub(super) fn hint(path: &Path, folder: &Path) -> String {
@@ -81,6 +95,26 @@ mod tests {
             assert!(resolve(dir.path(), name).is_file(), "{name}");
         }
         assert_eq!(resolve(dir.path(), "no.png"), dir.path().join("no.png"));
+    }
+
+    #[test]
+    fn paths_of_other_machines_lead_to_the_file_beside() {
+        let dir = tempfile::tempdir().unwrap();
+        std::fs::write(dir.path().join("Wood.png"), "").unwrap();
+        let of = |name: &str| beside(&resolve(dir.path(), name), dir.path(), name);
+        let there = Some(dir.path().join("Wood.png"));
+        for name in [
+            "C:\\Users\\me\\tex\\wood.png",
+            "D:/tex/Wood.png",
+            "/home/me/Wood.png",
+            "\\\\server\\share\\Wood.png",
+            "\"C:\\a b\\Wood.png\"",
+        ] {
+            assert_eq!(of(name), there, "{name}");
+        }
+        for name in ["tex/Wood.png", "Wood.png", "C:\\stone.png", "C:\\"] {
+            assert_eq!(of(name), None, "{name}");
+        }
     }
 
     #[test]

@@ -36,6 +36,9 @@ pub struct Parts {
     pub media: Media,
     /// Emitters, those of shapes included.
     pub emitters: Vec<Emitter>,
+    /// How many of them are no lamps: surfaces that show a colour of their own, or glow no brighter
+    /// than white.
+    pub faint: usize,
     /// What they are called, by number, those that have a name.
     pub emitter_names: BTreeMap<u32, String>,
     /// Cameras, in the order of the files.

@@ -1,6 +1,6 @@
 """Writes the vectors of this directory with meshoptimizer's own encoder: pip install almeshopt numpy
 
-NAME.enc is compressed, NAME.raw what it decodes to.
+NAME.enc is compressed, NAME.raw what it decodes to. version1.mjs writes those of version 1.
 """
 
 import almeshopt

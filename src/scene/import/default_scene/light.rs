@@ -40,9 +40,9 @@ impl Studio {
             };
             parts.add_emitter(around, "environment");
         }
-        let default = match parts.emitters.is_empty() {
-            true => Sky::Studio,
-            false => Sky::None,
+        let default = match parts.emitters.len() > parts.faint {
+            false => Sky::Studio,
+            true => Sky::None,
         };
         match self.sky.as_ref().unwrap_or(&default) {
             Sky::None => {}

@@ -12,7 +12,7 @@ const GRAIN: usize = 1 << 14;
 
 /// Type of a component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Component {
+pub(super) enum Component {
     I8,
     U8,
     I16,
@@ -22,7 +22,7 @@ enum Component {
 }
 
 impl Component {
-    fn of(code: u32) -> Option<Self> {
+    pub(super) fn of(code: u32) -> Option<Self> {
         Some(match code {
             5120 => Self::I8,
             5121 => Self::U8,
@@ -34,7 +34,7 @@ impl Component {
         })
     }
 
-    fn size(self) -> usize {
+    pub(super) fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
             Self::I16 | Self::U16 => 2,
@@ -82,7 +82,7 @@ impl Component {
 }
 
 /// Components of an element, by the name of its type.
-fn components(kind: &str) -> Option<usize> {
+pub(super) fn components(kind: &str) -> Option<usize> {
     Some(match kind {
         "SCALAR" => 1,
         "VEC2" => 2,
@@ -124,8 +124,9 @@ impl<'a> Accessors<'a> {
         let accessor = self.container.document.accessors.get(index);
         let accessor =
             accessor.ok_or_else(|| self.fail(format!("there is no accessor {index}")))?;
-        let component = Component::of(accessor.component_type);
-        component
+        let unpacked = self.container.unpacked.get(&index);
+        let code = unpacked.map_or(accessor.component_type, |u| u.code);
+        Component::of(code)
             .zip(components(&accessor.kind))
             .map(|(component, n)| (accessor, component, n))
             .ok_or_else(|| self.fail(format!("accessor {index} is of no known type")))
@@ -160,7 +161,21 @@ impl<'a> Accessors<'a> {
     }
 
     /// The elements themselves, or `None` where they are all zero.
-    fn base(&self, accessor: &Accessor, size: usize) -> Result<Option<Rows<'a>>, ImportError> {
+    fn base(
+        &self,
+        index: usize,
+        accessor: &Accessor,
+        size: usize,
+    ) -> Result<Option<Rows<'a>>, ImportError> {
+        if let Some(unpacked) = self.container.unpacked.get(&index) {
+            let bytes = unpacked.bytes.as_slice();
+            let (stride, count) = (size, bytes.len() / size.max(1));
+            return Ok(Some(Rows {
+                bytes,
+                stride,
+                count,
+            }));
+        }
         let Some(view) = accessor.buffer_view else {
             return Ok(None);
         };
@@ -203,7 +218,7 @@ impl<'a> Accessors<'a> {
         }
         let size = N * component.size();
         let read = |row: &[u8]| component.read::<N>(row, accessor.normalized);
-        let base = self.base(accessor, size)?;
+        let base = self.base(index, accessor, size)?;
         self.container
             .unpack(accessor.count, N * size_of::<f32>())?;
         let mut values = match base {
@@ -229,7 +244,7 @@ impl<'a> Accessors<'a> {
         if width != 1 || matches!(component, Component::F32) {
             return Err(self.fail(format!("accessor {index} is no list of indices")));
         }
-        let base = self.base(accessor, component.size())?;
+        let base = self.base(index, accessor, component.size())?;
         self.container.unpack(accessor.count, size_of::<u32>())?;
         let mut values = match base {
             None => vec![0; accessor.count],

@@ -29,7 +29,16 @@ pub(super) struct Container {
     buffers: Vec<Bytes>,
     /// Buffer views that were compressed.
     decoded: HashMap<usize, Vec<u8>>,
+    /// Accessors whose elements are not in a buffer view, by number: none when the file is opened.
+    pub unpacked: HashMap<usize, Unpacked>,
     allowance: Allowance,
+}
+
+/// The elements of an accessor, one behind the other.
+pub(super) struct Unpacked {
+    /// glTF's code of their components.
+    pub code: u32,
+    pub bytes: Vec<u8>,
 }
 
 /// Bytes that may still be unpacked.
@@ -96,6 +105,7 @@ impl Container {
             file,
             buffers: Vec::new(),
             decoded: HashMap::new(),
+            unpacked: HashMap::new(),
             allowance: Allowance {
                 spent: AtomicU64::new(0),
                 most: limit.bytes,
@@ -124,7 +134,8 @@ impl Container {
     /// Decodes all buffer views that are compressed.
     fn decompress(&self) -> Result<HashMap<usize, Vec<u8>>, ImportError> {
         let decode = |(index, view): (usize, &BufferView)| {
-            let extension = view.extensions.get(meshopt::NAME)?.clone();
+            let named = |name: &&str| view.extensions.get(*name);
+            let extension = meshopt::NAMES.iter().find_map(named)?.clone();
             let decoded = serde_json::from_value::<Compression>(extension)
                 .map_err(|e| e.to_string())
                 .and_then(|how| {

@@ -7,9 +7,11 @@
 
 use super::extension::Extension;
 use super::materials::{Core, Metal};
+use super::reflection::ior_of;
 use super::schema::TextureInfo;
 use super::textures::Use;
 use super::{Importer, error};
+use crate::bsdf::material::white;
 use crate::image::{self, Image};
 use crate::math::Rgb;
 use crate::scene::import::ImportError;
@@ -62,8 +64,9 @@ impl Importer<'_> {
             alpha: self.textured(diffuse.as_ref(), Use::Channel(3), Rgb::splat(alpha))?,
             roughness,
             metallic: Texture::Constant(Rgb::ZERO),
-            f0,
-            ior: 1.5,
+            ior: ior_of(f0),
+            specular: white(),
+            specular_color: white(),
             metal,
         })
     }

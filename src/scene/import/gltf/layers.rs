@@ -1,104 +1,52 @@
-//! The body of a material and the coat around it: transmission, sheen, clear coat, reflectance.
+//! The body of a material: transmission, sheen, and the model that has them.
 
 use super::Importer;
 use super::extension::Extension;
-use super::materials::{Core, Metal};
+use super::materials::{Core, Metal, Variant};
 use super::schema;
 use super::textures::{Use, uv_set};
 use super::volume;
-use crate::bsdf::material::{
-    Distribution, MetallicRoughness, Principled, PrincipledThin, Roughness, white,
-};
+use crate::bsdf::material::{MetallicRoughness, Principled, PrincipledThin};
 use crate::bsdf::{Material, MaterialId};
 use crate::math::{Rgb, luminance};
 use crate::scene::import::ImportError;
 use crate::texture::Texture;
 
-/// Index of refraction of clear coats: KHR_materials_clearcoat fixes it.
-const COAT_IOR: f32 = 1.5;
-/// Narrowest facets of a rough coat; smoother ones are taken as smooth.
-const SMOOTH: f32 = 1e-3;
-
 fn number(value: f32) -> Texture {
     Texture::Constant(Rgb::splat(value))
 }
 
-/// Reflectance at normal incidence of an interface of relative index `ior`.
-fn f0_of(ior: f32) -> f32 {
-    let r = (ior - 1.0) / (ior + 1.0);
-    r * r
-}
-
-/// The relative index with reflectance `f0` at normal incidence.
-fn ior_of(f0: f32) -> f32 {
-    let root = f0.clamp(0.0, 0.98).sqrt();
-    (1.0 + root) / (1.0 - root)
-}
-
 impl Importer<'_> {
-    /// Reflectance and index of the dielectric part (`KHR_materials_ior`,
-    /// `KHR_materials_specular`).
-    pub(super) fn dielectric(&mut self, material: &schema::Material, of: &str) -> (f32, f32) {
-        let ior = Extension::of(&material.extensions, "KHR_materials_ior");
-        let ior = ior.map_or(1.5, |e| e.number("ior", 1.5));
-        // 0 stands for "as reflective as can be" in the specification.
-        let ior = if ior == 0.0 {
-            ior_of(1.0)
-        } else {
-            self.within(&format!("{of}: ior"), ior, [1.0, 1e3])
-        };
-        let Some(specular) = Extension::of(&material.extensions, "KHR_materials_specular") else {
-            return (f0_of(ior), ior);
-        };
-        let color = specular.color("specularColorFactor", Rgb::ONE);
-        if color.max_element() - color.min_element() > 1e-3 {
-            self.warn("colours of KHR_materials_specular are replaced by their luminance");
-        }
-        for key in ["specularTexture", "specularColorTexture"] {
-            if specular.texture(key).is_some() {
-                self.warn(format!("\"{key}\" of KHR_materials_specular is left out"));
-            }
-        }
-        let factor = specular.number("specularFactor", 1.0);
-        let factor = self.fraction(&format!("{of}: specularFactor"), factor);
-        let factor = factor * luminance(color.max(Rgb::ZERO));
-        ((f0_of(ior) * factor).min(1.0), ior)
-    }
-
     /// The model inside, and whether light passes through it.
     pub(super) fn body(
         &mut self,
         material: &schema::Material,
         core: Core,
+        variant: Variant,
         of: &str,
     ) -> Result<(MaterialId, bool), ImportError> {
-        let sheen = self.sheen(material);
+        let sheen = self.sheen(material, of)?;
         let extension = Extension::of(&material.extensions, "KHR_materials_transmission");
         let factor = extension.map_or(0.0, |e| e.number("transmissionFactor", 0.0));
         let factor = self.fraction(&format!("{of}: transmissionFactor"), factor);
-        let Some(extension) = extension.filter(|_| factor > 0.0) else {
-            let eta = ior_of(core.f0);
-            // Sheen is known to `principled` alone.
-            let opaque = match sheen {
-                0.0 => metallic_roughness(&core, eta),
-                _ => principled(&core, number(0.0), eta, sheen),
-            };
-            let base = self.push(opaque);
-            return Ok((self.beside_metal(base, &core), false));
+        let clear = extension.filter(|_| factor > 0.0);
+        let Some(extension) = clear else {
+            return self.opaque(material, &core, sheen, variant, of);
         };
+        self.tell_of_reflection(material, &format!("{of} lets light through"));
         let info = extension.texture("transmissionTexture");
         let share = self.textured(info.as_ref(), Use::Channel(0), Rgb::splat(factor))?;
+        let sheen = sheen.unwrap_or(number(0.0));
         if volume::thickness(material) > 0.0 {
-            let body = principled(&core, share, core.ior, sheen);
+            let body = principled(&core, share, sheen);
             return Ok((self.push(body), true));
         }
-        let thin = self.push(thin(&core, share, sheen));
+        let thin = self.push(thin(&core, share, sheen.clone()));
         let metallic = core.metallic.clone();
         if metallic.constant() == Some(Rgb::ZERO) {
             return Ok((thin, true));
         }
-        let metal = principled(&core, number(0.0), core.ior, sheen);
-        let metal = self.push(metal);
+        let metal = self.push(principled(&core, number(0.0), sheen));
         let metal = self.push(Material::TwoSided {
             front: metal,
             back: metal,
@@ -111,17 +59,50 @@ impl Importer<'_> {
         Ok((self.push(blend), true))
     }
 
+    /// The model of what is opaque, but for a base that may let diffuse light through.
+    fn opaque(
+        &mut self,
+        material: &schema::Material,
+        core: &Core,
+        sheen: Option<Texture>,
+        variant: Variant,
+        of: &str,
+    ) -> Result<(MaterialId, bool), ImportError> {
+        if let Some(sheen) = sheen {
+            // Sheen is known to `principled` alone.
+            self.tell_of_reflection(material, &format!("{of} has a sheen"));
+            let base = self.push(principled(core, number(0.0), sheen));
+            return Ok((self.beside_metal(base, core), false));
+        }
+        let model = MetallicRoughness {
+            specular: core.specular.clone(),
+            specular_color: core.specular_color.clone(),
+            anisotropy: self.anisotropy(material, variant.mirrored, of)?,
+            film: self.film(material, of)?,
+            transmission: self.diffuse_transmission(material, of)?,
+            ..MetallicRoughness::plain(
+                core.color.clone(),
+                core.metallic.clone(),
+                core.roughness.clone(),
+                core.ior,
+            )
+        };
+        let transmits = model.transmission.is_some();
+        let base = self.push(model);
+        Ok((self.beside_metal(base, core), transmits))
+    }
+
     /// `base`, of which a metal takes its share.
     fn beside_metal(&mut self, base: MaterialId, core: &Core) -> MaterialId {
         let Some(Metal { share, color }) = &core.metal else {
             return base;
         };
-        let metal = self.push(MetallicRoughness {
-            base_color: color.clone(),
-            metallic: number(1.0),
-            roughness: core.roughness.clone(),
-            eta: 1.5,
-        });
+        let metal = self.push(MetallicRoughness::plain(
+            color.clone(),
+            number(1.0),
+            core.roughness.clone(),
+            1.5,
+        ));
         if share.constant() == Some(Rgb::ONE) {
             return metal;
         }
@@ -132,61 +113,35 @@ impl Importer<'_> {
         })
     }
 
-    /// Strength of the sheen.
-    fn sheen(&mut self, material: &schema::Material) -> f32 {
-        let Some(sheen) = Extension::of(&material.extensions, "KHR_materials_sheen") else {
-            return 0.0;
-        };
-        let color = sheen.color("sheenColorFactor", Rgb::ZERO);
-        if color.max_element() > 0.0 {
-            self.warn("KHR_materials_sheen: the strength alone is used, as Burley's sheen");
-        }
-        luminance(color).clamp(0.0, 1.0)
-    }
-
-    /// `inner` under the clear coat, if there is one.
-    pub(super) fn coated(
+    /// Strength of the sheen, if there is one.
+    fn sheen(
         &mut self,
         material: &schema::Material,
-        inner: MaterialId,
         of: &str,
-    ) -> Result<MaterialId, ImportError> {
-        let coat = Extension::of(&material.extensions, "KHR_materials_clearcoat");
-        let factor = coat.map_or(0.0, |c| c.number("clearcoatFactor", 0.0));
-        let factor = self.fraction(&format!("{of}: clearcoatFactor"), factor);
-        let Some(coat) = coat.filter(|_| factor > 0.0) else {
-            return Ok(inner);
+    ) -> Result<Option<Texture>, ImportError> {
+        let Some(sheen) = Extension::of(&material.extensions, "KHR_materials_sheen") else {
+            return Ok(None);
         };
-        let roughness = coat.number("clearcoatRoughnessFactor", 0.0);
-        let mut roughness = self.fraction(&format!("{of}: clearcoatRoughnessFactor"), roughness);
-        if let Some(info) = coat.texture("clearcoatRoughnessTexture") {
-            self.warn("textures of a clear coat's roughness are replaced by their mean");
-            let mean = self
-                .textured(Some(&info), Use::Channel(1), Rgb::ONE)?
-                .mean();
-            roughness *= luminance(mean);
+        let color = sheen.color("sheenColorFactor", Rgb::ZERO);
+        let color = self.tint(&format!("{of}: sheenColorFactor"), color);
+        if color == Rgb::ZERO {
+            return Ok(None);
         }
-        if coat.texture("clearcoatNormalTexture").is_some() {
-            self.warn("normal maps of clear coats are left out: the coat follows the base's");
-        }
-        let coated = self.push(coating(roughness * roughness, inner));
-        let info = coat.texture("clearcoatTexture");
-        let weight = self.textured(info.as_ref(), Use::Channel(0), Rgb::splat(factor))?;
-        if weight.constant() == Some(Rgb::ONE) {
-            return Ok(coated);
-        }
-        Ok(self.push(Material::Blend {
-            weight,
-            first: inner,
-            second: coated,
-        }))
+        self.warn(format!(
+            "{of}: KHR_materials_sheen is approximated by Burley's sheen, of its luminance and of no roughness"
+        ));
+        let info = sheen.texture("sheenColorTexture");
+        let strength = Rgb::splat(luminance(color));
+        Ok(Some(self.textured(info.as_ref(), Use::Color, strength)?))
     }
 
     /// Warns of what a material asks for and does not get.
     pub(super) fn tell_what_is_left_out(&mut self, material: &schema::Material) {
-        let unlit = Extension::of(&material.extensions, "KHR_materials_unlit").is_some();
-        if unlit {
-            self.warn("KHR_materials_unlit: the surface is lit as a diffuse one");
+        if Extension::of(&material.extensions, "KHR_materials_dispersion").is_some() {
+            let of = super::materials::name_of(material, None);
+            self.warn(format!(
+                "{of}: KHR_materials_dispersion is left out: light of all colours is bent alike"
+            ));
         }
         let set = super::materials::coordinates(material);
         let others = super::materials::all_textures(material);
@@ -199,50 +154,16 @@ impl Importer<'_> {
     }
 }
 
-fn coating(alpha: f32, inner: MaterialId) -> Material {
-    let (sigma_a, specular_reflectance) = (number(0.0), white());
-    if alpha < SMOOTH {
-        return Material::Coating {
-            eta: COAT_IOR,
-            thickness: 0.0,
-            sigma_a,
-            specular_reflectance,
-            inner,
-        };
-    }
-    Material::RoughCoating {
-        eta: COAT_IOR,
-        roughness: Roughness {
-            distribution: Distribution::Ggx,
-            alpha_u: number(alpha),
-            alpha_v: number(alpha),
-        },
-        thickness: 0.0,
-        sigma_a,
-        specular_reflectance,
-        inner,
-    }
-}
-
-fn metallic_roughness(core: &Core, eta: f32) -> Material {
-    Material::from(MetallicRoughness {
-        base_color: core.color.clone(),
-        metallic: core.metallic.clone(),
-        roughness: core.roughness.clone(),
-        eta,
-    })
-}
-
-fn principled(core: &Core, spec_trans: Texture, eta: f32, sheen: f32) -> Material {
+fn principled(core: &Core, spec_trans: Texture, sheen: Texture) -> Material {
     Material::from(Principled {
         base_color: core.color.clone(),
         roughness: core.roughness.clone(),
         anisotropic: number(0.0),
         metallic: core.metallic.clone(),
         spec_trans,
-        eta,
+        eta: core.ior,
         spec_tint: number(0.0),
-        sheen: number(sheen),
+        sheen,
         sheen_tint: number(0.0),
         flatness: number(0.0),
         clearcoat: number(0.0),
@@ -253,7 +174,7 @@ fn principled(core: &Core, spec_trans: Texture, eta: f32, sheen: f32) -> Materia
     })
 }
 
-fn thin(core: &Core, spec_trans: Texture, sheen: f32) -> Material {
+fn thin(core: &Core, spec_trans: Texture, sheen: Texture) -> Material {
     Material::from(PrincipledThin {
         base_color: core.color.clone(),
         roughness: core.roughness.clone(),
@@ -261,22 +182,9 @@ fn thin(core: &Core, spec_trans: Texture, sheen: f32) -> Material {
         spec_trans,
         eta: number(core.ior),
         spec_tint: number(0.0),
-        sheen: number(sheen),
+        sheen,
         sheen_tint: number(0.0),
         flatness: number(0.0),
         diff_trans: number(0.0),
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn reflectance_and_index_are_two_words_for_one_thing() {
-        assert!((f0_of(1.5) - 0.04).abs() < 1e-7);
-        for ior in [1.0, 1.33, 1.5, 2.4] {
-            assert!((ior_of(f0_of(ior)) - ior).abs() < 1e-5, "{ior}");
-        }
-    }
 }

@@ -3,6 +3,7 @@
 //! ```text
 //!  Mask (alpha) > TwoSided > NormalMap > Blend (clear coat) > metallic-roughness
 //!                                                           > principled (sheen, glass), principledthin
+//!                                                           > black, and emission (unlit)
 //! ```
 //!
 //! All models take the square of a perceptual roughness as the width of GGX facets, and 0.04 as the
@@ -13,9 +14,9 @@
 use super::extension::Extension;
 use super::primitive::{ALPHA, COLOR};
 use super::schema::{self, TextureInfo};
-use super::textures::{Use, bent_normals, uv_set};
+use super::textures::{Use, uv_set};
 use super::{Importer, error};
-use crate::bsdf::material::{Diffuse, InvalidNormals};
+use crate::bsdf::material::Diffuse;
 use crate::bsdf::{Material, MaterialId};
 use crate::math::Rgb;
 use crate::scene::import::ImportError;
@@ -43,6 +44,8 @@ pub(super) struct Finish {
     pub emission: Option<Texture>,
     /// Whether it glows on both sides.
     pub both_sides: bool,
+    /// What glows is meant to light something.
+    pub is_lamp: bool,
 }
 
 /// The parameters that both workflows come down to.
@@ -51,10 +54,11 @@ pub(super) struct Core {
     pub alpha: Texture,
     pub roughness: Texture,
     pub metallic: Texture,
-    /// Reflectance at normal incidence of the dielectric part.
-    pub f0: f32,
-    /// The index of refraction itself, for what is transmitted.
+    /// The index of refraction.
     pub ior: f32,
+    /// Factor on the reflectance of the dielectric part, and on that at normal incidence alone.
+    pub specular: Texture,
+    pub specular_color: Texture,
     /// A metal of a colour of its own beside all that.
     pub metal: Option<Metal>,
 }
@@ -64,6 +68,40 @@ pub(super) struct Metal {
     pub share: Texture,
     pub color: Texture,
 }
+
+/// The textures of the extensions, in the order in which they say which coordinates are read.
+const TEXTURES: [(&str, &[&str]); 8] = [
+    (
+        "KHR_materials_pbrSpecularGlossiness",
+        &["diffuseTexture", "specularGlossinessTexture"],
+    ),
+    ("KHR_materials_transmission", &["transmissionTexture"]),
+    (
+        "KHR_materials_clearcoat",
+        &[
+            "clearcoatTexture",
+            "clearcoatRoughnessTexture",
+            "clearcoatNormalTexture",
+        ],
+    ),
+    (
+        "KHR_materials_specular",
+        &["specularTexture", "specularColorTexture"],
+    ),
+    ("KHR_materials_sheen", &["sheenColorTexture"]),
+    ("KHR_materials_anisotropy", &["anisotropyTexture"]),
+    (
+        "KHR_materials_iridescence",
+        &["iridescenceTexture", "iridescenceThicknessTexture"],
+    ),
+    (
+        "KHR_materials_diffuse_transmission",
+        &[
+            "diffuseTransmissionTexture",
+            "diffuseTransmissionColorTexture",
+        ],
+    ),
+];
 
 /// How messages call a material.
 pub(super) fn name_of(material: &schema::Material, index: Option<usize>) -> String {
@@ -77,7 +115,30 @@ pub(super) fn name_of(material: &schema::Material, index: Option<usize>) -> Stri
 /// Whether the material emits light.
 pub(super) fn glows(material: &schema::Material) -> bool {
     let factor = material.emissive_factor.unwrap_or_default();
-    factor.iter().any(|f| *f > 0.0)
+    is_unlit(material) || factor.iter().any(|f| *f > 0.0)
+}
+
+/// Whether the material shows its colour whatever falls on it (`KHR_materials_unlit`).
+pub(super) fn is_unlit(material: &schema::Material) -> bool {
+    Extension::of(&material.extensions, "KHR_materials_unlit").is_some()
+}
+
+/// Whether a material that emits light is a lamp: brighter than the white that factors reach by
+/// themselves.
+fn is_lamp(material: &schema::Material) -> bool {
+    let name = "KHR_materials_emissive_strength";
+    let strength = Extension::of(&material.extensions, name);
+    let strength = strength.map_or(1.0, |e| e.number("emissiveStrength", 1.0));
+    let factor = Rgb::from(material.emissive_factor.unwrap_or_default());
+    !is_unlit(material) && factor.max_element() * strength > 1.0
+}
+
+/// Whether the material depends on where the texture's axes point.
+pub(super) fn follows_tangents(material: &schema::Material) -> bool {
+    let brushed = Extension::of(&material.extensions, "KHR_materials_anisotropy");
+    let coat = Extension::of(&material.extensions, "KHR_materials_clearcoat");
+    let coat = coat.and_then(|c| c.texture("clearcoatNormalTexture"));
+    material.normal_texture.is_some() || brushed.is_some() || coat.is_some()
 }
 
 /// The texture coordinates that a material reads: those of its colour, or of its first texture.
@@ -94,13 +155,9 @@ pub(super) fn all_textures(material: &schema::Material) -> Vec<TextureInfo> {
     }
     list.extend(material.normal_texture.clone());
     list.extend(material.emissive_texture.clone());
-    for (name, key) in [
-        ("KHR_materials_pbrSpecularGlossiness", "diffuseTexture"),
-        ("KHR_materials_transmission", "transmissionTexture"),
-        ("KHR_materials_clearcoat", "clearcoatTexture"),
-    ] {
+    for (name, keys) in TEXTURES {
         let extension = Extension::of(&material.extensions, name);
-        list.extend(extension.and_then(|e| e.texture(key)));
+        list.extend(keys.iter().filter_map(|key| extension?.texture(key)));
     }
     list
 }
@@ -124,7 +181,11 @@ impl Importer<'_> {
         self.tell_what_is_left_out(material);
         let of = name_of(material, variant.index);
         let core = self.core(material, variant, &of)?;
-        let emission = self.emission(material, &of)?;
+        let unlit = is_unlit(material);
+        let emission = match unlit {
+            true => Some(core.color.clone()),
+            false => self.emission(material, &of)?,
+        };
         let id = match self.only_material {
             Some((id, _)) => id,
             None => self.surface(material, variant, core, &of)?,
@@ -142,7 +203,9 @@ impl Importer<'_> {
         let finish = Finish {
             material: id,
             emission: emission.map(|e| e.times(opacity)),
-            both_sides: material.double_sided,
+            // Nothing is culled.
+            both_sides: material.double_sided || unlit,
+            is_lamp: is_lamp(material),
         };
         self.finishes.insert(variant, finish.clone());
         Ok(finish)
@@ -156,25 +219,17 @@ impl Importer<'_> {
         of: &str,
     ) -> Result<MaterialId, ImportError> {
         let alpha = core.alpha.clone();
-        let unlit = Extension::of(&material.extensions, "KHR_materials_unlit").is_some();
-        let (base, transmits) = if unlit {
-            let reflectance = core.color;
+        let (mut id, transmits) = if is_unlit(material) {
+            // What is seen is its emission.
+            let reflectance = Texture::Constant(Rgb::ZERO);
             (self.push(Diffuse { reflectance }), false)
         } else {
-            self.body(material, core, of)?
+            let (base, transmits) = self.body(material, core, variant, of)?;
+            (
+                self.layered(material, base, variant.mirrored, of)?,
+                transmits,
+            )
         };
-        let mut id = self.coated(material, base, of)?;
-        if let Some(info) = &material.normal_texture {
-            if let Some(normals) = self.texture(info, Use::Vector)? {
-                let scale = info.scale.unwrap_or(1.0);
-                let normals = bent_normals(normals, scale, variant.mirrored);
-                id = self.push(Material::NormalMap {
-                    normals,
-                    invalid_normals: InvalidNormals::default(),
-                    inner: id,
-                });
-            }
-        }
         if !transmits {
             id = self.push(Material::TwoSided {
                 front: id,
@@ -268,14 +323,15 @@ impl Importer<'_> {
         let roughness = pbr.roughness_factor.unwrap_or(1.0);
         let roughness = self.fraction(&format!("{of}: roughnessFactor"), roughness);
         let (metallic, roughness) = (Rgb::splat(metallic), Rgb::splat(roughness));
-        let (f0, ior) = self.dielectric(material, of);
+        let dielectric = self.dielectric(material, of)?;
         Ok(Core {
             color: self.textured(color, Use::Color, base)?,
             alpha: self.opacity(material, color, a)?,
             roughness: self.textured(surface, Use::Channel(1), roughness)?,
             metallic: self.textured(surface, Use::Channel(2), metallic)?,
-            f0,
-            ior,
+            ior: dielectric.ior,
+            specular: dielectric.specular,
+            specular_color: dielectric.specular_color,
             metal: None,
         })
     }

@@ -13,22 +13,30 @@
 
 mod accessor;
 mod bounds;
+mod coat;
 mod container;
+mod draco;
 mod extension;
 mod glossiness;
+mod ktx2;
 mod layers;
 mod lights;
 mod materials;
 mod meshopt;
 mod nodes;
 mod place;
+mod pose;
 mod primitive;
+mod reflection;
 mod schema;
 mod skin;
 #[cfg(test)]
 mod tests;
 mod textures;
+mod variants;
 mod volume;
+
+pub use pose::Moment;
 
 use super::parts::Parts;
 use super::{ImportError, ImportOptions};
@@ -43,8 +51,17 @@ use std::collections::HashMap;
 use std::path::Path;
 use textures::Images;
 
+/// What is shown of files that hold more than one look.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Show {
+    /// The name of a variant (`KHR_materials_variants`); `None` is the file's default materials.
+    pub variant: Option<String>,
+    /// A moment of an animation; `None` is the file's own pose.
+    pub moment: Option<Moment>,
+}
+
 /// How a file is added.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct GltfOptions {
     /// Placement of the whole file.
     pub to_world: DAffine3,
@@ -52,6 +69,8 @@ pub struct GltfOptions {
     pub material: Option<MaterialId>,
     /// The media on the sides of what has that material.
     pub boundary: Option<Boundary>,
+    /// What is shown.
+    pub show: Show,
 }
 
 /// Adds what is in the file `path` to `parts`.
@@ -65,10 +84,20 @@ pub fn load(
     options: &ImportOptions,
     parts: &mut Parts,
 ) -> Result<(), ImportError> {
-    let container = Container::open(path, options.decode)?;
+    let mut container = Container::open(path, options.decode)?;
+    container.unpacked = draco::unpack(&container)?;
+    let told = match &gltf.show.moment {
+        Some(moment) => pose::strike(&mut container, moment)?,
+        None if container.document.animations.is_empty() => Vec::new(),
+        None => vec!["the file's own pose is shown; --at SECONDS shows its animation".into()],
+    };
+    let variant = &gltf.show.variant;
+    let find = |name: &String| variants::find(&container.document, name, path);
+    let variant = variant.as_ref().map(find).transpose()?;
     let mut importer = Importer {
         container: &container,
         options,
+        variant,
         only_material: gltf.material.map(|material| (material, gltf.boundary)),
         parts,
         images: Images::default(),
@@ -76,7 +105,8 @@ pub fn load(
         media: HashMap::new(),
     };
     importer.check_extensions()?;
-    importer.tell_of_animations();
+    told.into_iter().for_each(|warning| importer.warn(warning));
+    importer.tell_of_variants();
     let accessors = Accessors {
         container: &container,
     };
@@ -96,6 +126,8 @@ pub fn load(
 struct Importer<'a> {
     container: &'a Container,
     options: &'a ImportOptions,
+    /// The number of the variant that is shown.
+    variant: Option<usize>,
     only_material: Option<(MaterialId, Option<Boundary>)>,
     parts: &'a mut Parts,
     images: Images,
@@ -129,11 +161,7 @@ impl<'a> Importer<'a> {
             .collect();
         if !required.is_empty() {
             let message = format!("requires {}, which cannot be read", required.join(", "));
-            let help = if required.iter().any(|n| n.contains("draco")) {
-                "export it without compression of meshes"
-            } else {
-                "export it without that extension"
-            };
+            let help = "export it without that extension";
             return Err(hint(self.path(), message, help));
         }
         for name in document.extensions_used.iter().filter(unknown) {
@@ -159,16 +187,6 @@ impl<'a> Importer<'a> {
             ));
         }
         Some(shown)
-    }
-
-    fn tell_of_animations(&mut self) {
-        if !self.document().animations.is_empty() {
-            self.warn("animations are left out: the file's own pose is shown");
-        }
-        let variants = "KHR_materials_variants";
-        if self.document().extensions.contains_key(variants) {
-            self.warn("material variants are left out: the default ones are shown");
-        }
     }
 }
 

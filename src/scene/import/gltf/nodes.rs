@@ -78,8 +78,9 @@ pub(super) fn walk(
     };
     let mut visited = vec![false; count];
     // The first of the list is the last to be pushed: nodes are met in the file's order.
-    let mut waiting: Vec<(usize, DAffine3)> = start.iter().rev().map(|&n| (n, *root)).collect();
-    while let Some((index, parent)) = waiting.pop() {
+    let mut waiting: Vec<(usize, DAffine3, bool)> =
+        start.iter().rev().map(|&n| (n, *root, true)).collect();
+    while let Some((index, parent, shown)) = waiting.pop() {
         let Some(node) = document.nodes.get(index) else {
             return Err(error(path, format!("there is no node {index}")));
         };
@@ -89,21 +90,33 @@ pub(super) fn walk(
         }
         let to_world = parent * local(node);
         standing.to_world[index] = to_world;
-        collect(&mut standing, node, index, accessors, path)?;
-        waiting.extend(node.children.iter().rev().map(|&n| (n, to_world)));
+        let shown = shown && is_shown(node);
+        collect(&mut standing, (node, index, shown), accessors, path)?;
+        waiting.extend(node.children.iter().rev().map(|&n| (n, to_world, shown)));
     }
     standing.stands = visited;
     Ok(standing)
 }
 
+/// Whether a node itself is to be seen (`KHR_node_visibility`).
+fn is_shown(node: &GltfNode) -> bool {
+    let extension = node.extensions.get("KHR_node_visibility");
+    let shown = extension.and_then(|e| e.get("visible")?.as_bool());
+    shown.unwrap_or(true)
+}
+
+/// Notes what stands at a node. Cameras do where nothing is shown, too.
 fn collect(
     standing: &mut Standing,
-    node: &GltfNode,
-    index: usize,
+    (node, index, shown): (&GltfNode, usize, bool),
     accessors: Accessors,
     path: &Path,
 ) -> Result<(), ImportError> {
     let to_world = standing.to_world[index];
+    standing.cameras.extend(node.camera.map(|c| (c, index)));
+    if !shown {
+        return Ok(());
+    }
     if let Some(mesh) = node.mesh {
         let places = match node.extensions.get("EXT_mesh_gpu_instancing") {
             Some(extension) => crowd(extension, accessors).and_then(|places| {
@@ -122,7 +135,6 @@ fn collect(
                 to_world: to_world * place,
             }));
     }
-    standing.cameras.extend(node.camera.map(|c| (c, index)));
     if let Some(light) = node.extensions.get("KHR_lights_punctual") {
         let light = light.get("light").and_then(Value::as_u64);
         let light = light.and_then(|l| usize::try_from(l).ok());

@@ -96,7 +96,7 @@ impl<'a> Importer<'a> {
 
     fn any_material(&self, mesh: &MeshSchema, test: impl Fn(&Material) -> bool) -> bool {
         let materials = &self.document().materials;
-        let of = |p: &Primitive| p.material.and_then(|m| materials.get(m));
+        let of = |p: &Primitive| self.material_of(p).and_then(|m| materials.get(m));
         mesh.primitives.iter().filter_map(of).any(test)
     }
 
@@ -104,7 +104,7 @@ impl<'a> Importer<'a> {
     fn hand(&self, placement: &Placement) -> usize {
         let mirrored = placement.to_world.matrix3.determinant() < 0.0;
         let mesh = &self.document().meshes[placement.mesh];
-        usize::from(mirrored && self.any_material(mesh, |m| m.normal_texture.is_some()))
+        usize::from(mirrored && self.any_material(mesh, materials::follows_tangents))
     }
 
     /// The matrices of a node's skin, mesh space to world space.
@@ -203,15 +203,8 @@ impl<'a> Importer<'a> {
         let fallback = || format!("mesh {}", placement.mesh);
         let name = mesh.name.clone().unwrap_or_else(fallback);
         for primitive in &mesh.primitives {
-            if primitive
-                .extensions
-                .contains_key("KHR_draco_mesh_compression")
-            {
-                let message = format!("{name} is compressed with Draco, which cannot be read");
-                let help = "export it without compression of meshes";
-                return Err(super::hint(self.path(), message, help));
-            }
-            let material = primitive.material.and_then(|m| document.materials.get(m));
+            let material = self.material_of(primitive);
+            let material = material.and_then(|m| document.materials.get(m));
             let alpha = material.and_then(|m| m.alpha_mode.as_deref());
             planned.push(Planned {
                 job: Job {
@@ -226,7 +219,7 @@ impl<'a> Importer<'a> {
                     textured: self.only_material.is_none()
                         && material.is_some_and(|m| !materials::all_textures(m).is_empty()),
                     alpha: matches!(alpha, Some("BLEND" | "MASK")),
-                    tangents: material.is_some_and(|m| m.normal_texture.is_some()),
+                    tangents: material.is_some_and(materials::follows_tangents),
                 },
                 name: name.clone(),
                 group,
@@ -243,9 +236,9 @@ impl<'a> Importer<'a> {
         if loaded.mesh.triangles.triangles().is_empty() {
             return Ok(());
         }
-        let index = plan.job.primitive.material;
+        let index = self.material_of(plan.job.primitive);
         let material = index.and_then(|m| self.document().materials.get(m));
-        let mapped = material.is_some_and(|m| m.normal_texture.is_some());
+        let mapped = material.is_some_and(materials::follows_tangents);
         let boundary = self.boundary(index);
         let parts = match mapped {
             true => by_side(loaded.mesh),
@@ -261,6 +254,7 @@ impl<'a> Importer<'a> {
             })?;
             let shape = self.parts.shapes.len() as u32;
             let emitter = finish.emission.map(|radiance| {
+                self.parts.faint += usize::from(!finish.is_lamp);
                 self.parts.emitters.push(Emitter::Area {
                     shape,
                     radiance,

@@ -30,7 +30,7 @@ pub(super) struct Document {
     pub samplers: Vec<Sampler>,
     pub cameras: Vec<Camera>,
     pub skins: Vec<Skin>,
-    pub animations: Vec<Value>,
+    pub animations: Vec<Animation>,
     pub extensions: Extensions,
     pub extensions_used: Vec<String>,
     pub extensions_required: Vec<String>,
@@ -226,4 +226,34 @@ pub(super) struct Orthographic {
 pub(super) struct Skin {
     pub inverse_bind_matrices: Option<usize>,
     pub joints: Vec<usize>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Animation {
+    pub name: Option<String>,
+    pub channels: Vec<AnimationChannel>,
+    pub samplers: Vec<AnimationSampler>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct AnimationChannel {
+    pub sampler: usize,
+    pub target: AnimationTarget,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct AnimationTarget {
+    pub node: Option<usize>,
+    pub path: String,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct AnimationSampler {
+    pub input: usize,
+    pub output: usize,
+    pub interpolation: Option<String>,
 }

@@ -19,7 +19,9 @@ use std::sync::{Arc, Mutex};
 mod broken;
 mod files;
 mod looks;
+mod packed;
 mod placing;
+mod showing;
 mod sides;
 
 /// Remembers what was asked for and opens nothing: every image is a grey of 0.5.
@@ -131,6 +133,10 @@ impl File {
         let asked = Arc::new(Asked::default());
         load_text(&self.text(), to_world, asked)
     }
+
+    fn load_as(&self, gltf: &GltfOptions) -> Result<Parts, ImportError> {
+        load_bytes_as(self.text().as_bytes(), gltf, Arc::new(Asked::default()))
+    }
 }
 
 fn load_text(text: &str, to_world: &DAffine3, asked: Arc<Asked>) -> Result<Parts, ImportError> {
@@ -138,20 +144,23 @@ fn load_text(text: &str, to_world: &DAffine3, asked: Arc<Asked>) -> Result<Parts
 }
 
 fn load_bytes(text: &[u8], to_world: &DAffine3, asked: Arc<Asked>) -> Result<Parts, ImportError> {
+    let gltf = GltfOptions {
+        to_world: *to_world,
+        ..GltfOptions::default()
+    };
+    load_bytes_as(text, &gltf, asked)
+}
+
+fn load_bytes_as(text: &[u8], gltf: &GltfOptions, asked: Arc<Asked>) -> Result<Parts, ImportError> {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("a.gltf");
     std::fs::write(&path, text).unwrap();
     let mut parts = Parts::default();
-    let gltf = GltfOptions {
-        boundary: None,
-        to_world: *to_world,
-        material: None,
-    };
     let options = ImportOptions {
         decode: DecodeLimit { bytes: 16 << 20 },
         ..ImportOptions::new(asked)
     };
-    load(&path, &gltf, &options, &mut parts)?;
+    load(&path, gltf, &options, &mut parts)?;
     Ok(parts)
 }
 

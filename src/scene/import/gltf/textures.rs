@@ -5,7 +5,7 @@
 //! loaded.
 
 use super::schema::TextureInfo;
-use super::{Importer, error};
+use super::{Importer, error, ktx2};
 use crate::image::file::ImageFile;
 use crate::image::passing::Passing;
 use crate::image::{self, Compression, Image, WriteOptions};
@@ -44,6 +44,9 @@ pub(super) enum Use {
     /// One channel as it is: 0 is red.
     Channel(usize),
 }
+
+/// Extensions that name an image of another format.
+const OTHERS: [&str; 3] = ["KHR_texture_basisu", "EXT_texture_webp", "EXT_texture_avif"];
 
 const CHANNELS: [&str; 4] = ["r", "g", "b", "a"];
 
@@ -118,8 +121,32 @@ impl Importer<'_> {
         }
     }
 
+    /// Opens the first of a texture's images that can be used.
     fn open(&mut self, info: &TextureInfo, how: Use) -> Result<Option<Texture>, ImportError> {
-        let image = self.image_of(info.index)?;
+        let images = self.images_of(info.index)?;
+        let mut failed = None;
+        for image in images {
+            match self.open_image(info, image, how) {
+                Ok(texture) => {
+                    if let Some(error) = failed {
+                        let ImportError { message, .. } = error;
+                        let instead = self.image_name(image);
+                        self.warn(format!("{message}; {instead} is taken instead"));
+                    }
+                    return Ok(texture);
+                }
+                Err(error) => failed = failed.or(Some(error)),
+            }
+        }
+        failed.map_or(Ok(None), Err)
+    }
+
+    fn open_image(
+        &mut self,
+        info: &TextureInfo,
+        image: usize,
+        how: Use,
+    ) -> Result<Option<Texture>, ImportError> {
         let (path, channels) = self.image_file(image)?;
         let channel = match how {
             Use::Color | Use::Vector => None,
@@ -162,8 +189,11 @@ impl Importer<'_> {
 
     /// The file behind a texture.
     pub(super) fn texture_file(&mut self, info: &TextureInfo) -> Result<PathBuf, ImportError> {
-        let image = self.image_of(info.index)?;
-        Ok(self.image_file(image)?.0)
+        let images = self.images_of(info.index)?;
+        let files: Vec<_> = images.into_iter().map(|i| self.image_file(i)).collect();
+        let first = files.into_iter().reduce(|a, b| a.or(b));
+        let (path, _) = first.unwrap_or_else(|| Err(error(self.path(), "no image")))?;
+        Ok(path)
     }
 
     /// A texture laid as `info` says, of texels that were made from its image and a factor; `kind`
@@ -174,9 +204,9 @@ impl Importer<'_> {
         factor: Rgb,
         (kind, size, texels): (&str, (u32, u32), &[Rgb]),
     ) -> Result<Texture, ImportError> {
-        let image = self.image_of(info.index)?;
+        let image = info.index;
         let [r, g, b] = factor.to_array().map(f32::to_bits);
-        let name = format!("image-{image}-{kind}-{r:x}-{g:x}-{b:x}.exr");
+        let name = format!("texture-{image}-{kind}-{r:x}-{g:x}-{b:x}.exr");
         let fail = |why: String| {
             let message = format!("image {image} cannot be unpacked: {why}");
             error(&self.container.path, message)
@@ -195,22 +225,29 @@ impl Importer<'_> {
         opened.map_err(|e| fail(e.reason))
     }
 
-    /// The image behind a texture.
-    fn image_of(&self, texture: usize) -> Result<usize, ImportError> {
+    /// The images behind a texture, those of extensions first.
+    fn images_of(&self, texture: usize) -> Result<Vec<usize>, ImportError> {
         let fail = |message: String| error(self.path(), message);
         let found = self.document().textures.get(texture);
         let found = found.ok_or_else(|| fail(format!("there is no texture {texture}")))?;
-        let webp = found.extensions.get("EXT_texture_webp");
-        let webp = webp.and_then(|e| e.get("source")?.as_u64());
-        let image = webp.map(|i| i as usize).or(found.source);
-        image.ok_or_else(|| {
-            let names: Vec<&str> = found.extensions.keys().map(String::as_str).collect();
-            let of = match names.is_empty() {
-                true => String::new(),
-                false => format!(" that can be read, only one of {}", names.join(", ")),
-            };
-            fail(format!("texture {texture} has no image{of}"))
-        })
+        let other = |name: &&str| {
+            let source = found.extensions.get(*name)?.get("source")?.as_u64()?;
+            usize::try_from(source).ok()
+        };
+        let images: Vec<usize> = OTHERS
+            .iter()
+            .filter_map(other)
+            .chain(found.source)
+            .collect();
+        if !images.is_empty() {
+            return Ok(images);
+        }
+        let names: Vec<&str> = found.extensions.keys().map(String::as_str).collect();
+        let of = match names.is_empty() {
+            true => String::new(),
+            false => format!(" that can be read, only one of {}", names.join(", ")),
+        };
+        Err(fail(format!("texture {texture} has no image{of}")))
     }
 
     /// How messages call an image.
@@ -256,12 +293,52 @@ impl Importer<'_> {
                 decoded = container.embedded(uri, name)?;
                 decoded.as_slice()
             }
-            (Some(uri), _) => return container.resolve(uri, name),
+            (Some(uri), _) => {
+                let path = container.resolve(uri, name)?;
+                return self.unpacked(index, path, name);
+            }
             (None, Some(view)) => container.view(view)?,
             (None, None) => return Err(fail(format!("{name} is nowhere"))),
         };
+        if ktx2::is(bytes) {
+            return self.transcoded(index, bytes, name);
+        }
         let stored = self.images.store(index, bytes, image.mime_type.as_deref());
         stored.map_err(|e| fail(format!("{name} cannot be unpacked: {e}")))
+    }
+
+    /// The file at `path`, or what is made of it where the texture loader does not know its format.
+    fn unpacked(
+        &mut self,
+        index: usize,
+        path: PathBuf,
+        name: &str,
+    ) -> Result<PathBuf, ImportError> {
+        let ends = |end: &str| {
+            path.extension()
+                .is_some_and(|e| e.eq_ignore_ascii_case(end))
+        };
+        if !ends("ktx2") {
+            return Ok(path);
+        }
+        let bytes = crate::image::mapped::open(&path);
+        let bytes = bytes.map_err(|e| error(self.path(), format!("{name} cannot be read: {e}")))?;
+        self.transcoded(index, &bytes, name)
+    }
+
+    /// A file made of an image of Basis Universal.
+    fn transcoded(
+        &mut self,
+        index: usize,
+        bytes: &[u8],
+        name: &str,
+    ) -> Result<PathBuf, ImportError> {
+        let folder = self.images.folder().map_err(|e| e.to_string());
+        let made = folder.and_then(|folder| {
+            let path = folder.join(format!("image-{index}.png"));
+            ktx2::unpack(bytes, self.options.decode, &path).map(|()| path)
+        });
+        made.map_err(|e| error(self.path(), format!("{name} cannot be used: {e}")))
     }
 }
 
@@ -278,6 +355,7 @@ impl Images {
             ([0x89, b'P', b'N', b'G', ..], _) => "png",
             ([0xff, 0xd8, ..], _) => "jpg",
             ([b'R', b'I', b'F', b'F', ..], _) => "webp",
+            ([_, _, _, _, b'f', b't', b'y', b'p', ..], _) => "avif",
             ([0x76, 0x2f, 0x31, 0x01, ..], _) => "exr",
             (_, Some("image/jpeg")) => "jpg",
             _ => "png",

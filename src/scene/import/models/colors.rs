@@ -62,7 +62,12 @@ pub(super) fn open(
     parts: &mut Parts,
 ) -> Result<Option<Texture>, ImportError> {
     let folder = path.parent().unwrap_or(Path::new(""));
-    let file = named::resolve(folder, name);
+    let mut file = named::resolve(folder, name);
+    if let Some(beside) = named::beside(&file, folder, name) {
+        let (path, found) = (path.display(), beside.display());
+        parts.warn(format!("{path}: for the texture {name} stands {found}"));
+        file = beside;
+    }
     let hint = named::hint(&file, folder);
     let opened = options.textures.open(BitmapSettings {
         path: file,

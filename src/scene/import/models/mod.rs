@@ -15,7 +15,7 @@ mod tests;
 pub(super) use numbers::numbers;
 pub use source::ModelSource;
 
-use super::gltf::{self, GltfOptions};
+use super::gltf::{self, GltfOptions, Show};
 use super::mesh::{self, FACE_MATERIAL, Loaded, MeshKind, MeshOptions};
 use super::parts::Parts;
 use super::{ImportError, ImportOptions};
@@ -59,6 +59,8 @@ pub struct ModelOptions {
     pub material: Option<Paint>,
     /// Turns what has +y up by its definition (glTF) so that +z is up.
     pub z_up: bool,
+    /// What is shown of glTF files.
+    pub show: Show,
 }
 
 /// A mesh file to load, and everywhere it stands.
@@ -91,6 +93,7 @@ pub fn load(
                     to_world: source.to_world * turn,
                     material: paint.map(|p| p.add(&mut parts.materials, false)),
                     boundary: paint.and_then(|p| p.boundary(&mut parts.media)),
+                    show: models.show.clone(),
                 };
                 gltf::load(&source.path, &gltf, options, &mut parts)?;
             }

@@ -59,6 +59,42 @@ pub(super) fn exponential(elements: &mut [u8]) {
     }
 }
 
+/// Colours as luma and two chromas, of as many bits as the highest bit of the fourth number says;
+/// bytes.
+pub(super) fn color_8(elements: &mut [u8]) {
+    for element in elements.chunks_exact_mut(4) {
+        let chroma = |i: usize| i32::from(element[i] as i8);
+        let parts = [element[0].into(), chroma(1), chroma(2), element[3].into()];
+        let color = rgba(parts, 255.0);
+        element.copy_from_slice(&color.map(|v| v as u8));
+    }
+}
+
+/// The same of 16 bits.
+pub(super) fn color_16(elements: &mut [u8]) {
+    for element in elements.chunks_exact_mut(8) {
+        let [y, co, cg, a] = words(element);
+        let parts = [(y as u16).into(), co.into(), cg.into(), (a as u16).into()];
+        for (i, value) in rgba(parts, 65535.0).into_iter().enumerate() {
+            element[2 * i..2 * i + 2].copy_from_slice(&(value as u16).to_le_bytes());
+        }
+    }
+}
+
+/// Red, green, blue and opacity up to `largest`, in whole numbers.
+fn rgba([y, co, cg, a]: [i32; 4], largest: f32) -> [f32; 4] {
+    let scale = (2 << a.max(1).ilog2()) - 1;
+    // Opacity has one bit less: its last one stands twice.
+    let a = a & (scale >> 1);
+    let opacity = a << 1 | a & 1;
+    let color = [y + co - cg, y + cg, y - co - cg, opacity];
+    color.map(|v| {
+        (v as f32 * (largest / scale as f32))
+            .round()
+            .clamp(0.0, largest)
+    })
+}
+
 /// Four numbers of 16 bits.
 fn words(element: &[u8]) -> [i16; 4] {
     [0, 2, 4, 6].map(|at| i16::from_le_bytes([element[at], element[at + 1]]))

@@ -1,4 +1,4 @@
-//! `EXT_meshopt_compression`: buffer views as gltfpack writes them.
+//! `EXT_meshopt_compression` and `KHR_meshopt_compression`: buffer views as gltfpack writes them.
 //!
 //! ```text
 //!  bytes --mode--> elements --filter--> elements as an accessor reads them
@@ -30,8 +30,8 @@ pub(super) struct Compression {
     pub filter: Option<String>,
 }
 
-/// The name of the extension.
-pub(super) const NAME: &str = "EXT_meshopt_compression";
+/// The names of the extension: the second reads all that the first does.
+pub(super) const NAMES: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
 /// Decodes the bytes that `how` describes; the error says what is wrong with them.
 pub(super) fn decode(bytes: &[u8], how: &Compression) -> Result<Vec<u8>, String> {
@@ -47,6 +47,8 @@ pub(super) fn decode(bytes: &[u8], how: &Compression) -> Result<Vec<u8>, String>
         ("OCTAHEDRAL", 4) => filters::octahedral_8(&mut elements),
         ("OCTAHEDRAL", 8) => filters::octahedral_16(&mut elements),
         ("QUATERNION", 8) => filters::quaternion(&mut elements),
+        ("COLOR", 4) => filters::color_8(&mut elements),
+        ("COLOR", 8) => filters::color_16(&mut elements),
         ("EXPONENTIAL", _) if stride % 4 == 0 => filters::exponential(&mut elements),
         (other, _) => {
             return Err(format!(

@@ -11,6 +11,14 @@ const VERTICES: [&[u8]; 2] = [
     include_bytes!("../../../../../tests/vectors/meshopt/vertices.enc"),
     include_bytes!("../../../../../tests/vectors/meshopt/vertices.raw"),
 ];
+const VERTICES_1: [&[u8]; 2] = [
+    include_bytes!("../../../../../tests/vectors/meshopt/vertices1.enc"),
+    include_bytes!("../../../../../tests/vectors/meshopt/vertices1.raw"),
+];
+const COLORS: [&[u8]; 2] = [
+    include_bytes!("../../../../../tests/vectors/meshopt/colors.enc"),
+    include_bytes!("../../../../../tests/vectors/meshopt/colors.raw"),
+];
 const NORMALS: [&[u8]; 2] = [
     include_bytes!("../../../../../tests/vectors/meshopt/normals.enc"),
     include_bytes!("../../../../../tests/vectors/meshopt/normals.raw"),
@@ -37,8 +45,30 @@ fn triangles_and_vertices_come_back_byte_for_byte() {
             .zip(raw.chunks(4))
             .all(|(n, w)| n == &w[..2])
     );
-    let [encoded, raw] = VERTICES;
-    assert!(decode(encoded, &how("ATTRIBUTES", 300, 20)).unwrap() == raw);
+    for [encoded, raw] in [VERTICES, VERTICES_1] {
+        assert!(decode(encoded, &how("ATTRIBUTES", 300, 20)).unwrap() == raw);
+    }
+}
+
+#[test]
+fn colors_come_back_within_their_bits() {
+    let [filtered, raw] = COLORS;
+    let mut elements = filtered.to_vec();
+    filters::color_8(&mut elements);
+    let floats = raw.chunks_exact(4);
+    let floats = floats.map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+    for (byte, wanted) in elements.iter().zip(floats) {
+        let got = f32::from(*byte) / 255.0;
+        assert!((got - wanted).abs() < 1.6 / 255.0, "{got} {wanted}");
+    }
+    // 16 bits, of which ten are used: y 700, co -100, cg 50, opacity 256 of 511.
+    let parts = [700i16, -100, 50, 512 | 256];
+    let mut element: Vec<u8> = parts.iter().flat_map(|v| v.to_le_bytes()).collect();
+    filters::color_16(&mut element);
+    let words = element.chunks(2);
+    let got: Vec<u16> = words.map(|b| u16::from_le_bytes([b[0], b[1]])).collect();
+    let scaled = |v: f32| (v * 65535.0 / 1023.0).round() as u16;
+    assert_eq!(got, [550.0, 750.0, 750.0, 512.0].map(scaled));
 }
 
 #[test]
@@ -113,6 +143,7 @@ fn damage_is_an_error_or_other_numbers_but_never_a_panic() {
     for ([encoded, _], how) in [
         (TRIANGLES, how("TRIANGLES", TRIANGLES[1].len() / 4, 4)),
         (VERTICES, how("ATTRIBUTES", 300, 20)),
+        (VERTICES_1, how("ATTRIBUTES", 300, 20)),
     ] {
         for length in (0..encoded.len()).step_by(5) {
             assert!(decode(&encoded[..length], &how).is_err(), "{length}");

@@ -118,6 +118,7 @@ fn one_binary_file_holds_the_same() {
         std::fs::write(&path, bytes).unwrap();
         let mut parts = Parts::default();
         let gltf = GltfOptions {
+            show: Default::default(),
             boundary: None,
             to_world: DAffine3::IDENTITY,
             material: None,

@@ -10,6 +10,7 @@
 //! reads at the speed of the disk.
 
 mod columns;
+mod corners;
 mod header;
 mod table;
 mod walk;
@@ -56,6 +57,8 @@ struct Reader<'a> {
     /// Faces that are not all triangles.
     indices: Vec<u32>,
     sizes: Vec<u32>,
+    /// Texture coordinates of the faces' corners, as many as `indices`, where vertices have none.
+    corners: Vec<Vec2>,
 }
 
 impl<'a> Reader<'a> {
@@ -71,6 +74,7 @@ impl<'a> Reader<'a> {
             raw: Raw::default(),
             indices: Vec::new(),
             sizes: Vec::new(),
+            corners: Vec::new(),
         })
     }
 
@@ -114,11 +118,11 @@ impl<'a> Reader<'a> {
     fn walk(
         &mut self,
         element: &Element,
-        list: Option<usize>,
+        lists: [Option<usize>; 2],
         mut sink: impl FnMut(&mut Self, Row) -> Result<(), Fault>,
     ) -> Result<(), Fault> {
         let mut source = Source::new(self.data, self.pos, self.encoding);
-        walk::rows(&mut source, element, list, |row| sink(self, row))?;
+        walk::rows(&mut source, element, lists, |row| sink(self, row))?;
         self.pos = source.offset();
         Ok(())
     }
@@ -128,7 +132,7 @@ impl<'a> Reader<'a> {
             self.pos += table.len();
             return Ok(());
         }
-        self.walk(element, None, |_, _| Ok(()))
+        self.walk(element, [None; 2], |_, _| Ok(()))
     }
 
     fn vertices(&mut self, element: &Element) -> Result<(), Fault> {
@@ -155,7 +159,7 @@ impl<'a> Reader<'a> {
             return Ok(());
         }
         let (mut normals, mut uvs) = (Vec::new(), Vec::new());
-        self.walk(element, None, |reader, row| {
+        self.walk(element, [None; 2], |reader, row| {
             let raw = &mut reader.raw;
             raw.positions.push(point(position.map(|p| row.values[p])));
             normals.extend(columns.normal.map(|n| vec3(n.map(|p| row.values[p]))));
@@ -181,16 +185,17 @@ impl<'a> Reader<'a> {
 
     fn faces(&mut self, element: &Element) -> Result<(), Fault> {
         let list = Self::index_list(element)?;
-        if element.find(&["texcoord"]).is_some() && self.raw.uvs.is_none() {
-            let warning = "texture coordinates of faces' corners (`texcoord`) are left out: \
-                export them per vertex";
-            self.raw.warnings.push(warning.into());
-        }
+        let is_list = |l: &usize| matches!(element.properties[*l].shape, Shape::List { .. });
+        let corners = element.find(&["texcoord"]).filter(is_list);
+        let corners = corners.filter(|_| self.raw.uvs.is_none());
         let columns = Columns::of(element, "face_").attributes;
         self.raw
             .attributes
             .extend(columns.iter().map(|a| empty(a, true)));
-        let table = self.table(element, Some(list));
+        let table = match corners {
+            None => self.table(element, Some(list)),
+            Some(_) => None,
+        };
         let triangles = table
             .as_ref()
             .and_then(|t| t.triangles(list, self.vertices));
@@ -203,8 +208,11 @@ impl<'a> Reader<'a> {
             self.pos += table.len();
             return Ok(());
         }
-        self.walk(element, Some(list), |reader, row| {
+        self.walk(element, [Some(list), corners], |reader, row| {
             reader.polygon(&row)?;
+            if corners.is_some() {
+                reader.lay(&row);
+            }
             push(&mut reader.raw.attributes, &columns, row.values, true);
             Ok(())
         })
@@ -228,6 +236,16 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
+    /// Notes the texture coordinates of a face's corners; (0, 0) where there are too few.
+    fn lay(&mut self, row: &Row) {
+        let part = |i: usize| row.corners.get(i).map_or(0.0, |v| *v as f32);
+        let flip = self.options.flip_tex_coords;
+        self.corners.extend((0..row.list.len()).map(|i| {
+            let (u, v) = (part(2 * i), part(2 * i + 1));
+            Vec2::new(u, if flip { 1.0 - v } else { v })
+        }));
+    }
+
     fn index(&self, value: f64, offset: usize) -> Result<u32, Fault> {
         let index = to_index(value).filter(|&i| (i as usize) < self.vertices);
         index.ok_or_else(|| {
@@ -243,7 +261,7 @@ impl<'a> Reader<'a> {
     /// turns.
     fn strips(&mut self, element: &Element) -> Result<(), Fault> {
         let list = Self::index_list(element)?;
-        self.walk(element, Some(list), |reader, row| {
+        self.walk(element, [Some(list), None], |reader, row| {
             for strip in row.list.split(|&i| i == -1.0) {
                 for (n, corners) in strip.windows(3).enumerate() {
                     let mut triangle = [0; 3];
@@ -261,6 +279,11 @@ impl<'a> Reader<'a> {
     }
 
     fn into_raw(mut self) -> Raw {
+        if self.corners.iter().any(|uv| *uv != Vec2::ZERO) {
+            // Strips have no coordinates of corners.
+            self.corners.resize(self.indices.len(), Vec2::ZERO);
+            corners::divide(&mut self.raw, &mut self.indices, &self.corners);
+        }
         if !self.sizes.is_empty() {
             let raw = &mut self.raw;
             let (indices, sizes) = (&self.indices, &self.sizes);

@@ -64,37 +64,41 @@ impl<'a> Source<'a> {
     }
 }
 
-/// A row: its single values (zero for lists), the items of the wanted list, and where it stands.
+/// A row: its single values (zero for lists), the items of the wanted lists, and where it stands.
 pub(super) struct Row<'a> {
     pub values: &'a [f64],
     pub list: &'a [f64],
+    /// Texture coordinates of a face's corners.
+    pub corners: &'a [f64],
     pub offset: usize,
 }
 
-/// Calls `sink` with each row of `element`; `list` is the list property to keep.
+/// Calls `sink` with each row of `element`; `list` and `corners` are the list properties to keep.
 pub(super) fn rows(
     source: &mut Source,
     element: &Element,
-    list: Option<usize>,
+    [list, corners]: [Option<usize>; 2],
     mut sink: impl FnMut(Row) -> Result<(), Fault>,
 ) -> Result<(), Fault> {
     let mut values = vec![0.0; element.properties.len()];
-    let mut items = Vec::new();
+    let (mut items, mut of_corners) = (Vec::new(), Vec::new());
     if values.is_empty() {
         return Ok(());
     }
     for _ in 0..element.count {
         let offset = source.offset();
         items.clear();
+        of_corners.clear();
         for (index, property) in element.properties.iter().enumerate() {
             match property.shape {
                 Shape::Scalar(of) => values[index] = source.value(of)?,
                 Shape::List { count, item } => {
-                    let wanted = list == Some(index);
                     for _ in 0..source.list_length(count)? {
                         let value = source.value(item)?;
-                        if wanted {
+                        if list == Some(index) {
                             items.push(value);
+                        } else if corners == Some(index) {
+                            of_corners.push(value);
                         }
                     }
                 }
@@ -103,6 +107,7 @@ pub(super) fn rows(
         sink(Row {
             values: &values,
             list: &items,
+            corners: &of_corners,
             offset,
         })?;
     }

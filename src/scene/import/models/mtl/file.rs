@@ -97,11 +97,16 @@ struct Told {
     more: usize,
 }
 
+/// What Blender (4 and 5) writes as `Pc` of a whole coat.
+const BLENDERS_COAT: f32 = 4.0;
+
 struct Reader<'a> {
     path: &'a Path,
     line: usize,
     entries: HashMap<String, Entry>,
     current: Option<String>,
+    /// Blender wrote the file.
+    blender: bool,
     told: Vec<Told>,
     known: FxHashMap<String, usize>,
 }
@@ -113,6 +118,7 @@ impl<'a> Reader<'a> {
             line: 0,
             entries: HashMap::new(),
             current: None,
+            blender: false,
             told: Vec::new(),
             known: FxHashMap::default(),
         }
@@ -130,6 +136,7 @@ impl<'a> Reader<'a> {
     }
 
     fn statement(&mut self, line: &str) {
+        self.blender |= line.starts_with("# Blender") && line.contains("MTL File");
         let line = without_comment(line);
         let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         let rest = rest.trim();
@@ -189,6 +196,7 @@ impl<'a> Reader<'a> {
         }
         let word = match word.to_ascii_lowercase().as_str() {
             "map_norm" | "map_kn" => "norm".to_owned(),
+            "bump" => "map_bump".to_owned(),
             word => word.to_owned(),
         };
         if let (Some(map), Some(entry)) = (map, self.entry()) {
@@ -224,6 +232,12 @@ impl<'a> Reader<'a> {
                 return self.tell(&format!("{word} number"), message);
             }
         };
+        let whole = if self.blender && word == "Pc" {
+            BLENDERS_COAT
+        } else {
+            1.0
+        };
+        let color = color / whole;
         let within = color.clamp(Rgb::splat(least), Rgb::splat(most));
         if within != color {
             let bounds = match most {
@@ -290,6 +304,18 @@ mod tests {
         }
     }
 
+    #[test]
+    fn a_coat_by_blender_is_a_quarter_of_its_number() {
+        let coat = |head: &str, number: f32| {
+            let file = read(&format!("{head}newmtl a\nPc {number}\n"));
+            assert_eq!(file.warnings, Vec::<String>::new());
+            file.entries["a"].number("pc")
+        };
+        let head = "# Blender 5.0.1 MTL File: 'scene.blend'\n# www.blender.org\n";
+        assert_eq!((coat(head, 4.0), coat(head, 2.0)), (Some(1.0), Some(0.5)));
+        assert_eq!(coat("# by hand\n", 0.5), Some(0.5));
+    }
+
     /// Each line by itself: what is told of it, and what remains.
     #[test]
     fn odd_statements_are_told_with_their_line() {
@@ -310,7 +336,7 @@ mod tests {
             ("Kdd 1 1 1", "did you mean `Kd`?"),
             ("mapKd a.png", "did you mean `map_Kd`?"),
             ("map_Ks a.png", "left out"),
-            ("bump a.png", "left out"),
+            ("disp a.png", "left out"),
             ("d -halo 0.5", "-halo"),
             ("map_Kd", "no name"),
             ("map_Kd -s 2", "makes no sense"),

@@ -6,6 +6,7 @@
 //! | `Ks` with `Ns`, `illum` 2 and up | `principled`: facets of width sqrt(2 / (Ns + 2)), reflectance 0.08 Ks |
 //! | `illum` 4, 6, 7, 9, with `Tf` or without `d` below 1 | glass of index `Ni`, rough by `Pr` |
 //! | `d`, `Tr`, `map_d` | opacity |
+//! | `norm`, `map_Bump` that holds normals | normal map |
 //! | `Ke`, `map_Ke` | glow |
 //! | anything else | diffuse `Kd`, `map_Kd` |
 //!
@@ -115,9 +116,17 @@ impl Reader<'_> {
         let dissolve = self.dissolve();
         let lets_light_through = matches!(illum, 4 | 6 | 7 | 9);
         let clear = dissolve >= 1.0 && self.entry.map("map_d").is_none();
-        let is_glass = lets_light_through && (clear || self.entry.color("tf").is_some());
+        let tint = self.entry.color("tf");
+        // Blender writes `Tf` where light is let through, and 2 for `illum` all the same.
+        let told = self.is_modern() && clear && tint.is_some_and(|t| t.max_element() > 0.0);
+        if told && !lets_light_through {
+            self.warn(
+                "it is taken as glass, as it has `Tf` besides the physically based statements",
+            );
+        }
+        let is_glass = told || lets_light_through && (clear || tint.is_some());
         let id = if is_glass {
-            let names = ["map_kd", "map_pr", "map_pm", "norm"];
+            let names = ["map_kd", "map_pr", "map_pm", "norm", "map_bump"];
             self.tell_of_images(&names, &format!("glass (illum {illum})"));
             let glass = self.glass();
             self.parts.materials.push(glass)
@@ -194,14 +203,17 @@ impl Reader<'_> {
         })
     }
 
+    /// Whether it has statements of the physically based extension.
+    fn is_modern(&self) -> bool {
+        let words = ["pr", "pm", "ps", "pc", "aniso"];
+        words.iter().any(|n| self.entry.number(n).is_some())
+    }
+
     fn opaque(&mut self, illum: i32, colored: bool) -> Result<MaterialId, ImportError> {
-        let entry = self.entry;
         let color = self.color(colored)?;
         let metal = self.map("map_pm", Use::Number)?;
         let rough = self.map("map_pr", Use::Number)?;
-        let modern = ["pr", "pm", "ps", "pc", "aniso"];
-        let is_modern = modern.iter().any(|n| entry.number(n).is_some());
-        let model = if is_modern || metal.is_some() || rough.is_some() {
+        let model = if self.is_modern() || metal.is_some() || rough.is_some() {
             self.physical(color, rough, metal)
         } else {
             self.phong(illum, color)
@@ -278,8 +290,11 @@ impl Reader<'_> {
 
     /// The map of normals, as strong as `-bm` says.
     fn normals(&mut self) -> Result<Option<Texture>, ImportError> {
-        let strength = self.entry.map("norm").map_or(1.0, |m| m.strength);
-        let normals = self.map("norm", Use::Vector)?;
+        let (name, normals) = match self.map("norm", Use::Vector)? {
+            Some(normals) => ("norm", Some(normals)),
+            None => ("map_bump", self.bumps()?),
+        };
+        let strength = self.entry.map(name).map_or(1.0, |m| m.strength);
         Ok(normals.map(|n| match strength {
             1.0 => n,
             s => {
@@ -288,6 +303,21 @@ impl Reader<'_> {
                 Texture::Affine(Arc::new((n, factor, (Rgb::ONE - factor) * 0.5)))
             }
         }))
+    }
+
+    /// An image of bumps that holds normals, as Blender writes them: on average they point straight
+    /// away from the surface. Heights are left out, as the format does not say how high they are.
+    fn bumps(&mut self) -> Result<Option<Texture>, ImportError> {
+        let Some(image) = self.map("map_bump", Use::Vector)? else {
+            return Ok(None);
+        };
+        let away = image.mean() - Rgb::new(0.5, 0.5, 1.0);
+        if away.abs().max_element() < 0.25 {
+            self.warn("`map_Bump` holds normals, and is taken as `norm`");
+            return Ok(Some(image));
+        }
+        self.warn("`map_Bump` holds heights, and is left out");
+        Ok(None)
     }
 
     fn radiance(&mut self) -> Result<Option<Texture>, ImportError> {
@@ -312,7 +342,11 @@ impl Reader<'_> {
             return Ok(None);
         };
         let folder = entry.file.parent().unwrap_or(Path::new(""));
-        let path = named::resolve(folder, &map.file);
+        let mut path = named::resolve(folder, &map.file);
+        if let Some(beside) = named::beside(&path, folder, &map.file) {
+            self.warn(format!("for `{}` stands {}", map.file, beside.display()));
+            path = beside;
+        }
         let hint = named::hint(&path, folder);
         let channel = match how {
             Use::Opacity => map.channel.or_else(|| alpha_of(&path)),

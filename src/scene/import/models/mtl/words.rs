@@ -33,7 +33,7 @@ const WORDS: [(&str, Kind); 50] = [
     ("map_Pc", Kind::LeftOut), ("map_Pcr", Kind::LeftOut), ("map_refl", Kind::LeftOut),
     ("map_RMA", Kind::LeftOut), ("map_ORM", Kind::LeftOut), ("map_opacity", Kind::LeftOut),
     ("map_aniso", Kind::LeftOut), ("map_anisor", Kind::LeftOut), ("map_illum", Kind::LeftOut),
-    ("bump", Kind::LeftOut), ("map_bump", Kind::LeftOut), ("disp", Kind::LeftOut),
+    ("bump", Kind::Image), ("map_bump", Kind::Image), ("disp", Kind::LeftOut),
     ("map_disp", Kind::LeftOut), ("decal", Kind::LeftOut), ("map_decal", Kind::LeftOut),
     ("refl", Kind::LeftOut), ("map_norm", Kind::Image), ("map_Kn", Kind::Image),
 ];
@@ -53,4 +53,31 @@ pub(super) fn nearest(word: &str) -> Option<&'static str> {
         .filter(|(likeness, _)| *likeness > 0.75)
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, word)| word)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::WORDS;
+
+    #[test]
+    fn the_manual_names_every_statement_and_whether_it_is_left_out() {
+        let page = include_str!("../../../../manual/models.md");
+        let table = page.split("## MTL").nth(1).unwrap();
+        let table = table.split("## PLY").next().unwrap();
+        let lines: Vec<&str> = table.lines().filter(|l| l.starts_with("| `")).collect();
+        for (word, kind) in WORDS {
+            let named = |line: &&&str| {
+                let names = line.split('|').nth(1).unwrap_or_default();
+                names.split('`').any(|name| name == word)
+            };
+            let line = lines.iter().find(named);
+            let line = line.unwrap_or_else(|| panic!("{word} is not in the manual"));
+            let left_out = line.split('|').nth(2).unwrap().trim() == "left out";
+            assert!(
+                !left_out || kind == super::Kind::LeftOut || word == "anisor",
+                "{word}"
+            );
+            assert!(left_out || kind != super::Kind::LeftOut, "{word}");
+        }
+    }
 }

@@ -93,6 +93,57 @@ fn an_alpha_below_one_is_opacity_unless_a_colour_is_let_through() {
 }
 
 #[test]
+fn a_map_of_bumps_counts_where_it_holds_normals() {
+    let folder = Folder::new();
+    folder.quarters("heights.exr");
+    let normals = crate::image::Image::from_rgb(1, 1, &[Rgb::new(0.6, 0.5, 0.98)]);
+    let path = folder.0.path().join("normals.exr");
+    crate::image::write(&path, &normals, &Default::default()).unwrap();
+    let of = |mtl: &str| {
+        let parts = square(&folder, &format!("Kd 1 1 1\nPr 0.5\n{mtl}\n"));
+        let Material::TwoSided { front, .. } = material(&parts) else {
+            panic!("{parts:?}")
+        };
+        let mapped = matches!(parts.materials.get(*front), Material::NormalMap { .. });
+        (mapped, parts.warnings.join("\n"))
+    };
+    let (mapped, told) = of("map_Bump -bm 1.000000 normals.exr");
+    assert!(mapped && told.contains("holds normals"), "{told}");
+    let (mapped, told) = of("bump heights.exr");
+    assert!(!mapped && told.contains("holds heights"), "{told}");
+    // `norm` says it by itself; a path of another machine leads to the file beside.
+    let (mapped, told) = of("norm C:\\textures\\normals.exr\nmap_Bump heights.exr");
+    assert!(
+        mapped && told.contains("for `C:\\textures\\normals.exr` stands"),
+        "{told}"
+    );
+    assert!(!told.contains("heights"), "{told}");
+}
+
+#[test]
+fn a_colour_let_through_beside_physical_statements_is_glass() {
+    let folder = Folder::new();
+    // As Blender writes a principled material of transmission 1.
+    let blender = "Kd 0.8 0.8 0.8\nNi 1.45\nd 1\nillum 2\nPr 0\nPm 0\nTf 1 1 1\n";
+    let parts = square(&folder, blender);
+    assert!(
+        matches!(material(&parts), Material::Dielectric(_)),
+        "{parts:?}"
+    );
+    assert!(
+        parts.warnings[0].contains("taken as glass"),
+        "{:?}",
+        parts.warnings
+    );
+    // As 3ds Max writes whatever is opaque.
+    let parts = square(&folder, "Kd 0.8 0.8 0.8\nNs 10\nd 1\nillum 2\nTf 1 1 1\n");
+    assert!(
+        matches!(material(&parts), Material::TwoSided { .. }),
+        "{parts:?}"
+    );
+}
+
+#[test]
 fn what_a_material_has_no_place_for_is_told() {
     let folder = Folder::new();
     folder.quarters("q.exr");
@@ -187,7 +238,7 @@ fn an_image_that_is_missing_is_an_error_with_a_hint() {
     let folder = Folder::new();
     folder.quarters("Wood.exr");
     folder.write("square.obj", SQUARE);
-    for name in ["wood.exr", "C:\\models\\WOOD.exr", "absent/wood.exr"] {
+    for name in ["wood.exr", "models\\WOOD.exr", "absent/wood.exr"] {
         folder.write("m.mtl", format!("newmtl m\nmap_Kd {name}\n"));
         let error = folder.load(&["square.obj"], None).unwrap_err().to_string();
         assert!(

@@ -51,6 +51,7 @@ impl Folder {
         };
         let sources: Vec<ModelSource> = words.iter().map(named).collect();
         let models = ModelOptions {
+            show: Default::default(),
             material: material.map(|m| m.parse().unwrap()),
             z_up: false,
         };
