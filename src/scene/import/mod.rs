@@ -4,13 +4,16 @@ use std::path::PathBuf;
 
 pub mod default_scene;
 mod encoding;
+mod faults;
 pub mod gltf;
 pub mod ior;
 pub mod mesh;
 pub mod mitsuba;
 pub mod models;
 mod named;
+mod numbers;
 mod options;
+mod origin;
 pub mod parts;
 pub mod spectrum;
 mod spectrum_tables;
