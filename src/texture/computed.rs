@@ -1,6 +1,6 @@
 //! Textures computed from others, from texture coordinates, or from where a point is.
 
-use super::noise::{fbm, turbulence};
+use super::noise::{Octaves, fbm, turbulence};
 use super::{SurfacePoint, Texture, UvTransform};
 use crate::math::{Affine3A, Rgb, Vec2, Vec3, luminance};
 use glam::FloatExt;
@@ -72,15 +72,6 @@ pub enum NoiseKind {
         /// How much the noise bends the layers.
         variation: f32,
     },
-}
-
-/// How much detail noise has.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Octaves {
-    /// Number of them.
-    pub count: u32,
-    /// What each has of the one before, 0 to 1.
-    pub roughness: f32,
 }
 
 /// Mean of the absolute value of one octave of noise.
@@ -284,13 +275,6 @@ impl NoiseKind {
             Self::Windy => 4.0,
             Self::Marble { .. } => 0.9,
         }
-    }
-}
-
-impl Octaves {
-    /// Sum of the amplitudes.
-    fn sum(&self) -> f32 {
-        (0..self.count).map(|i| self.roughness.powi(i as i32)).sum()
     }
 }
 

@@ -22,7 +22,8 @@ mod texels;
 mod tiled;
 
 pub use bitmap::Bitmap;
-pub use computed::{Computed, NoiseKind, Octaves};
+pub use computed::{Computed, NoiseKind};
+pub use noise::Octaves;
 pub use pattern::{Checkerboard, Grid};
 pub use reads::Reads;
 pub use store::TextureStore;

@@ -1,9 +1,24 @@
 //! Gradient noise (Perlin, "Improving Noise", SIGGRAPH 2002) and sums of it.
 
-use super::computed::Octaves;
 use crate::math::Vec3;
 use crate::math::special::smoothstep;
 use glam::FloatExt;
+
+/// How much detail noise has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Octaves {
+    /// Number of them.
+    pub count: u32,
+    /// What each has of the one before, 0 to 1.
+    pub roughness: f32,
+}
+
+impl Octaves {
+    /// Sum of the amplitudes.
+    pub fn sum(&self) -> f32 {
+        (0..self.count).map(|i| self.roughness.powi(i as i32)).sum()
+    }
+}
 
 /// Perlin's permutation of 0 to 255, from his reference implementation of 2002.
 #[rustfmt::skip]
