@@ -139,7 +139,7 @@ const COLLADA: Foreign = Foreign {
 };
 const PBRT: Foreign = Foreign {
     what: "a pbrt scene",
-    help: "convert it to Mitsuba's XML, or export it as glTF (.glb) where it was made",
+    help: "the name of one ends with .pbrt, or .pbrt.gz where it is packed",
 };
 const JSON: Foreign = Foreign {
     what: "JSON, as Tungsten's scenes and glTF files are",
@@ -189,16 +189,10 @@ pub fn by_head(head: &[u8]) -> Option<Foreign> {
 }
 
 /// The same, for a file that ought to be the XML of a scene: text that is not is named as well.
-pub fn of_scene(path: &Path, head: &[u8]) -> Option<Foreign> {
+pub fn of_scene(head: &[u8]) -> Option<Foreign> {
     let by_head = by_head(head);
     if by_head.is_some() {
         return by_head;
-    }
-    if path
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("pbrt"))
-    {
-        return Some(PBRT);
     }
     let text = String::from_utf8_lossy(&head[..head.len().min(HEAD)]);
     let text = text.trim_start_matches('\u{feff}').trim_start();
@@ -229,7 +223,7 @@ mod tests {
     use super::*;
 
     fn named(head: &[u8]) -> &'static str {
-        of_scene(Path::new("a"), head).map_or("", |f| f.what)
+        of_scene(head).map_or("", |f| f.what)
     }
 
     #[test]
@@ -268,7 +262,7 @@ mod tests {
             b"",
             b"\xff\xfe<\0",
         ] {
-            assert_eq!(of_scene(Path::new("a.xml"), head), None, "{head:?}");
+            assert_eq!(of_scene(head), None, "{head:?}");
         }
         for head in [
             &b"ply\nformat ascii 1.0"[..],

@@ -9,6 +9,7 @@
 //! | [`denoise`] | `--denoise` and `twintree denoise`, where the denoiser comes from, what it gains |
 //! | [`guiding`] | options of guiding, field files, what guiding gains |
 //! | [`parts`] | checkpoints, parts of an image on many machines, job files |
+//! | [`pbrt`] | what of pbrt's scene files is read, and how near it comes |
 //! | [`scenes`] | what of Mitsuba's scene files is read; models without a scene |
 //! | [`compare`] | how far images are from a reference; `sweep`: which settings suit a scene |
 //! | [`table1`] | the table of the method's paper |
@@ -38,6 +39,10 @@ pub mod layers {
 
 pub mod parts {
     #![doc = include_str!("parts.md")]
+}
+
+pub mod pbrt {
+    #![doc = include_str!("pbrt.md")]
 }
 
 pub mod render {

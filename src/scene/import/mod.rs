@@ -6,6 +6,7 @@ pub mod default_scene;
 mod encoding;
 mod faults;
 pub mod gltf;
+mod gzip;
 pub mod ior;
 pub mod mesh;
 pub mod mitsuba;
@@ -15,6 +16,7 @@ mod numbers;
 mod options;
 mod origin;
 pub mod parts;
+pub mod pbrt;
 pub mod spectrum;
 mod spectrum_tables;
 

@@ -338,7 +338,7 @@ fn text(path: &Path) -> Result<String, ImportError> {
         plain(format!("cannot read it: {e}{hint}"), None)
     };
     let bytes = regular::read(path).map_err(unreadable)?;
-    if let Some(foreign) = foreign::of_scene(path, &bytes) {
+    if let Some(foreign) = foreign::of_scene(&bytes) {
         let message = format!("is no Mitsuba scene but {}", foreign.what);
         return Err(plain(message, Some(foreign.help)));
     }
