@@ -104,7 +104,8 @@ impl Instances<'_> {
             let k = i % self.meshes.len() as u64;
             writeln!(
                 out,
-                "AttributeBegin\nTranslate {x:.4} 0 {z:.4}\nRotate {angle:.4} 0 1 0\nScale {s:.4} {s:.4} {s:.4}\nObjectInstance \"{k}\"\nAttributeEnd"
+                "AttributeBegin\nTranslate {x:.4} 0 {z:.4}\nRotate {angle:.4} 0 1 0\nScale {s:.4} \
+                 {s:.4} {s:.4}\nObjectInstance \"{k}\"\nAttributeEnd"
             )?;
         }
         Ok(())
@@ -114,16 +115,19 @@ impl Instances<'_> {
         let [x, y, z] = self.eye();
         writeln!(
             out,
-            "<scene version=\"3.0.0\">\n<sensor type=\"perspective\"><float name=\"fov\" value=\"45\"/><string name=\"fov_axis\" value=\"smaller\"/>"
+            "<scene version=\"3.0.0\">\n<sensor type=\"perspective\"><float name=\"fov\" \
+             value=\"45\"/><string name=\"fov_axis\" value=\"smaller\"/>"
         )?;
         // x is to the left there, and to the right in pbrt: mirrored, the pictures are the same.
         writeln!(
             out,
-            "<float name=\"far_clip\" value=\"1e6\"/><transform name=\"to_world\"><scale x=\"-1\"/><lookat origin=\"{x} {y} {z}\" target=\"0 0 0\" up=\"0 1 0\"/></transform>"
+            "<float name=\"far_clip\" value=\"1e6\"/><transform name=\"to_world\"><scale \
+             x=\"-1\"/><lookat origin=\"{x} {y} {z}\" target=\"0 0 0\" up=\"0 1 0\"/></transform>"
         )?;
         writeln!(
             out,
-            "<film type=\"hdrfilm\"><integer name=\"width\" value=\"640\"/><integer name=\"height\" value=\"360\"/></film></sensor>"
+            "<film type=\"hdrfilm\"><integer name=\"width\" value=\"640\"/><integer \
+             name=\"height\" value=\"360\"/></film></sensor>"
         )?;
         writeln!(
             out,
@@ -136,7 +140,9 @@ impl Instances<'_> {
         for (k, mesh) in self.meshes.iter().enumerate() {
             writeln!(
                 out,
-                "<shape type=\"shapegroup\" id=\"g{k}\"><shape type=\"ply\"><string name=\"filename\" value=\"{mesh}\"/><boolean name=\"face_normals\" value=\"true\"/><ref id=\"grey\"/></shape></shape>"
+                "<shape type=\"shapegroup\" id=\"g{k}\"><shape type=\"ply\"><string \
+                 name=\"filename\" value=\"{mesh}\"/><boolean name=\"face_normals\" \
+                    value=\"true\"/><ref id=\"grey\"/></shape></shape>"
             )?;
         }
         for i in 0..self.count {
@@ -148,7 +154,9 @@ impl Instances<'_> {
             let k = i % self.meshes.len() as u64;
             writeln!(
                 out,
-                "<shape type=\"instance\"><ref id=\"g{k}\"/><transform name=\"to_world\"><scale value=\"{scale:.4}\"/><rotate y=\"1\" angle=\"{angle:.4}\"/><translate x=\"{x:.4}\" z=\"{z:.4}\"/></transform></shape>"
+                "<shape type=\"instance\"><ref id=\"g{k}\"/><transform name=\"to_world\"><scale \
+                 value=\"{scale:.4}\"/><rotate y=\"1\" angle=\"{angle:.4}\"/><translate \
+                    x=\"{x:.4}\" z=\"{z:.4}\"/></transform></shape>"
             )?;
         }
         writeln!(out, "</scene>")

@@ -78,13 +78,21 @@ impl<'s> Importer<'s> {
                     _ => p.text("mapping").unwrap_or("equalarea"),
                 };
                 if mapping != "equirectangular" {
-                    self.warn_at(p.at(), &format!(
-                        "the mapping \"{mapping}\" of this camera is rendered as \"equirectangular\": another picture of the same directions"
-                    ));
+                    self.warn_at(
+                        p.at(),
+                        &format!(
+                            "the mapping \"{mapping}\" of this camera is rendered as \
+                         \"equirectangular\": another picture of the same directions"
+                        ),
+                    );
                 }
                 (unit * PANORAMA, Projection::Spherical)
             }
-            "realistic" => return Err("the camera \"realistic\" is not read: write a perspective one with its field of view".into()),
+            "realistic" => {
+                return Err("the camera \"realistic\" is not read: write a perspective \
+             one with its field of view"
+                    .into());
+            }
             other => {
                 let help = named::did_you_mean(other, CAMERAS.iter().copied());
                 let help = help.map_or(String::new(), |h| format!("; {h}"));
@@ -161,7 +169,8 @@ impl Screen {
 fn perspective(fov: f64, screen: Screen, lens: Option<[f64; 2]>) -> Projection {
     let half_width = (0.5 * fov.to_radians()).tan() * screen.half[0];
     let fov_degrees = 2.0 * half_width.atan().to_degrees();
-    // Shifts are in parts of the film; x grows to the left in camera space, y downwards on the film.
+    // Shifts are in parts of the film; x grows to the left in camera space, y downwards on the
+    // film.
     let [mx, my] = screen.middle;
     let principal_point = [0.5 * mx / screen.half[0], -0.5 * my / screen.half[1]];
     match lens {

@@ -145,7 +145,8 @@ impl<'s> Importer<'s> {
         let sensor = p.text("sensor").unwrap_or("cie1931");
         if sensor != "cie1931" {
             self.warn_at(p.place_of("sensor"), &format!(
-                "the sensor \"{sensor}\" is rendered as \"cie1931\": as bright, in slightly other colours"
+                "the sensor \"{sensor}\" is rendered as \"cie1931\": as bright, in slightly other \
+                 colours"
             ));
             p.ignore(&["whitebalance"]);
         } else if p.float("whitebalance", 0.0) != 0.0 {
@@ -153,8 +154,8 @@ impl<'s> Importer<'s> {
         }
     }
 
-    /// pbrt's imaging ratio: seconds of exposure times ISO over 100. It multiplies every picture, and
-    /// therefore every light here.
+    /// pbrt's imaging ratio: seconds of exposure times ISO over 100. It multiplies every picture,
+    /// and therefore every light here.
     pub fn exposure(&mut self) -> f32 {
         let shutter = self.setup.camera.clone().map_or(1.0, |(camera, _)| {
             let p = Params::new(self.source, &camera);

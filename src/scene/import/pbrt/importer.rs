@@ -160,9 +160,13 @@ impl<'s> Importer<'s> {
     /// The current transform, if it is affine and nothing moves; motion and perspective are told.
     pub fn standing(&mut self, at: At, what: &str) -> Result<DAffine3, ImportError> {
         if self.graphics.moves() {
-            self.warn_at(at, &format!(
-                "the motion of this {what} is left out: it stands where it is when the shutter opens"
-            ));
+            self.warn_at(
+                at,
+                &format!(
+                    "the motion of this {what} is left out: it stands where it is when the shutter \
+                 opens"
+                ),
+            );
         }
         super::graphics::affine(self.graphics.to_world[0]).ok_or_else(|| {
             let message = "the current transform is no affine map: its last row is not 0 0 0 1";

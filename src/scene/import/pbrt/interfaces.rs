@@ -150,8 +150,9 @@ impl<'s> Importer<'s> {
     }
 
     /// A diffuse base under a dielectric coat. pbrt follows a random walk between the two; here
-    /// their sum has a closed form with the same bounces, in which light that returned from the coat
-    /// is diffuse. What the coat absorbs (pbrt's sigma_t is 1 per unit, thickness 0.01) dims the base.
+    /// their sum has a closed form with the same bounces, in which light that returned from the
+    /// coat is diffuse. What the coat absorbs (pbrt's sigma_t is 1 per unit, thickness 0.01) dims
+    /// the base.
     pub fn coated_diffuse(&mut self, p: &Params<'_, 's>) -> Material {
         let eta = self.index(p, "eta", 1.5);
         let thickness = self.thickness(p);

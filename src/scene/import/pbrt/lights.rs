@@ -122,7 +122,12 @@ impl<'s> Importer<'s> {
 
     fn infinite(&mut self, p: &Params<'_, 's>, to_world: DAffine3) -> Result<Emitter, String> {
         p.ignore(&["nsamples", "samples"]);
-        self.left_out(p, &["portal"], "light comes from everywhere, which is noisier and brings more of it where the scene is open elsewhere");
+        self.left_out(
+            p,
+            &["portal"],
+            "light comes from everywhere, which is noisier and brings \
+            more of it where the scene is open elsewhere",
+        );
         let scale = self.scale(p);
         let lux = p.float_given("illuminance").filter(|lux| *lux > 0.0);
         let name = ["filename", "mapname"].into_iter().find(|name| {
@@ -197,7 +202,11 @@ impl<'s> Importer<'s> {
         });
         let equal_area = is_square && name == "filename";
         if name == "filename" && !is_square {
-            self.warn_at(at, "this map is no square of equal areas: it is taken for latitude by longitude, as in v3");
+            self.warn_at(
+                at,
+                "this map is no square of equal areas: it is taken for latitude by \
+                longitude, as in v3",
+            );
         }
         let key = (path.to_owned(), equal_area);
         let known = self.environments.borrow().get(&key).cloned();
@@ -286,7 +295,11 @@ impl<'s> Importer<'s> {
         let mean = match p.has(name) {
             true => {
                 let mean = self.light_image(p, name)?.mean();
-                self.warn_at(p.at(), "the directions of this goniometric light are left out: it shines alike everywhere, with as much power");
+                self.warn_at(
+                    p.at(),
+                    "the directions of this goniometric light are left out: it \
+                    shines alike everywhere, with as much power",
+                );
                 mean.element_sum() / 3.0
             }
             false => 1.0,

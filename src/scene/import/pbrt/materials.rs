@@ -106,7 +106,8 @@ impl<'s> Importer<'s> {
         let size = self.material_size.min(MOST_MATERIALS + 1);
         let made = match made {
             Ok(_) if size > MOST_MATERIALS => Err(format!(
-                "this material is made of more than {MOST_MATERIALS}, one that is used twice counted twice"
+                "this material is made of more than {MOST_MATERIALS}, one that is used twice \
+                 counted twice"
             )),
             made => made,
         };

@@ -110,9 +110,13 @@ impl<'s> Importer<'s> {
 
     /// A diffuse base and a glossy coat; v3 adds the two without bounces between them.
     fn plastic_v3(&mut self, p: &Params<'_, 's>, kind: &str, default: f32, rough: f32) -> Material {
-        self.warn_at(p.at(), &format!(
-            "\"{kind}\" is rendered as a coat over a diffuse base: the base is brighter at grazing angles than in pbrt"
-        ));
+        self.warn_at(
+            p.at(),
+            &format!(
+                "\"{kind}\" is rendered as a coat over a diffuse base: the base is brighter at \
+             grazing angles than in pbrt"
+            ),
+        );
         let diffuse_reflectance = self.texture(p, "Kd", Role::Reflectance, default);
         let specular_reflectance = self.texture(p, "Ks", Role::Reflectance, default);
         let name = if p.has("index") { "index" } else { "eta" };

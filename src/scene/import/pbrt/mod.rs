@@ -18,6 +18,7 @@ mod camera;
 mod color_space;
 mod curves;
 mod film;
+mod finish;
 mod graphics;
 mod images;
 mod importer;
@@ -34,6 +35,7 @@ mod params;
 mod pending;
 mod power;
 mod presets;
+mod quadrics;
 mod shapes;
 mod source;
 mod spectra;
@@ -55,8 +57,8 @@ use std::path::Path;
 ///
 /// # Errors
 /// Anything in the files that has no meaning: directives, types or names that are unknown, values
-/// out of range, files that are missing. With [`ImportOptions::lenient`] only what leaves nothing to
-/// go on with.
+/// out of range, files that are missing. With [`ImportOptions::lenient`] only what leaves nothing
+/// to go on with.
 pub fn load(path: &Path, options: &ImportOptions) -> Result<Description, ImportError> {
     let source = Source::read(path, options)?;
     walk::import(&source, options)

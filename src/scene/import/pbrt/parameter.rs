@@ -183,7 +183,8 @@ fn fast(tokens: &mut Tokens, kind: Kind) -> Result<Option<Values>, Wrong> {
                 list.push(x as i32);
             });
             if !whole {
-                let message = "this list is of whole numbers between -2147483647 and 2147483647, and one of it is none";
+                let message = "this list is of whole numbers between -2147483647 and 2147483647, \
+                    and one of it is none";
                 return Err(tokens.wrong(begin, message));
             }
             Values::Integers(shrunk(list))

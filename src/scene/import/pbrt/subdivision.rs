@@ -85,7 +85,10 @@ impl Rings {
             }
             let edges = &mut opposite[starts[v] as usize..starts[v + 1] as usize];
             let at_edge = rings.add(edges).ok_or_else(|| {
-                format!("the mesh is no surface around vertex {v}: faces there meet in the vertex alone, or three along an edge, or they are turned differently")
+                format!(
+                    "the mesh is no surface around vertex {v}: faces there meet in the vertex \
+                    alone, or three along an edge, or they are turned differently"
+                )
             })?;
             rings.at_edge.push(at_edge);
             rings.starts.push(rings.around.len() as u32);

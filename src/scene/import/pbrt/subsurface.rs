@@ -16,7 +16,8 @@ impl<'s> Importer<'s> {
     pub fn subsurface(&mut self, p: &Params<'_, 's>) -> Result<Material, String> {
         self.warn_at(
             p.at(),
-            "\"subsurface\" is rendered as glass around a scattering medium; shapes of it must be closed",
+            "\"subsurface\" is rendered as glass around a scattering medium; shapes of it must be \
+             closed",
         );
         let scale = p.float("scale", 1.0) as f32;
         let g = p.float_in("g", 0.0, -1.0..=1.0) as f32;
@@ -58,7 +59,8 @@ impl<'s> Importer<'s> {
     pub fn hair(&mut self, p: &Params<'_, 's>) -> Material {
         self.warn_at(
             p.at(),
-            "\"hair\" is rendered as a rough coat over its colour: it has no transmission and no highlight of its own",
+            "\"hair\" is rendered as a rough coat over its colour: it has no transmission and no \
+             highlight of its own",
         );
         let eta = self.index(p, "eta", 1.55);
         let smooth = self.texture(p, "beta_n", Role::Number, 0.3);

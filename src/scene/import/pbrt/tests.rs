@@ -120,7 +120,8 @@ fn power_is_spread_over_what_shines() {
     near(intensity(spot), Rgb::splat(10.0 / cone));
     // A sphere of radius 2 as a whole, on both sides.
     let d = scene(
-        "WorldBegin AreaLightSource \"diffuse\" \"float power\" 100 \"bool twosided\" true Shape \"sphere\" \"float radius\" 2",
+        "WorldBegin AreaLightSource \"diffuse\" \"float power\" 100 \"bool twosided\" true Shape \
+         \"sphere\" \"float radius\" 2",
     );
     let Emitter::Area {
         radiance,
@@ -199,7 +200,8 @@ fn motion_is_named_and_left_out() {
 #[test]
 fn names_are_used_before_they_are_defined() {
     let d = scene(
-        "WorldBegin NamedMaterial \"m\" Shape \"sphere\" MakeNamedMaterial \"m\" \"string type\" \"dielectric\"",
+        "WorldBegin NamedMaterial \"m\" Shape \"sphere\" MakeNamedMaterial \"m\" \"string type\" \
+         \"dielectric\"",
     );
     assert_eq!(d.materials.get(d.shapes[0].material).name(), "dielectric");
 }
@@ -278,7 +280,8 @@ fn every_name_of_the_tables_is_known() {
     }
     for kind in super::textures::TEXTURES {
         let text = format!(
-            "WorldBegin Texture \"t\" \"spectrum\" \"{kind}\" Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\""
+            "WorldBegin Texture \"t\" \"spectrum\" \"{kind}\" Material \"diffuse\" \"texture \
+             reflectance\" \"t\" Shape \"sphere\""
         );
         assert!(!unknown(text), "{kind}");
     }

@@ -118,7 +118,8 @@ impl<'s> Importer<'s> {
         let size = self.texture_size.min(MOST_TEXTURES + 1);
         let made = match made {
             Ok(_) if size > MOST_TEXTURES => Err(format!(
-                "this texture is made of more than {MOST_TEXTURES}, one that is used twice counted twice"
+                "this texture is made of more than {MOST_TEXTURES}, one that is used twice \
+                 counted twice"
             )),
             made => made,
         };
@@ -144,7 +145,8 @@ impl<'s> Importer<'s> {
         if largest > 1.01 {
             let name = &definition.plugin.name;
             self.warn_at(definition.at, &format!(
-                "texture \"{name}\" reaches {largest}; as a reflectance it was cut to the range 0 to 1"
+                "texture \"{name}\" reaches {largest}; as a reflectance it was cut to the range 0 \
+                 to 1"
             ));
         }
         match texture {
@@ -226,7 +228,8 @@ impl<'s> Importer<'s> {
         if mapping != "uv" {
             let at = p.place_of("mapping");
             self.warn_at(at, &format!(
-                "the mapping \"{mapping}\" is left out: the shape's texture coordinates take its place"
+                "the mapping \"{mapping}\" is left out: the shape's texture coordinates take its \
+                 place"
             ));
             p.ignore(&["v1", "v2", "udelta", "vdelta"]);
             return Affine2::IDENTITY;
