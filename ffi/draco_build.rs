@@ -10,9 +10,7 @@ pub fn configure() {
     let library = cpp::probe(&mut pkg_config::Config::new(), "draco")
         .unwrap_or_else(|e| missing(&format!("Draco was not found: {e}")));
     let mut build = cpp::compiler();
-    build
-        .cargo_metadata(true)
-        .file("ffi/draco_shim.cpp");
+    build.cargo_metadata(true).file("ffi/draco_shim.cpp");
     // The compiler's own directory must not be named again: it would come before C++'s headers.
     let usual = std::path::Path::new("/usr/include");
     for path in library.include_paths.iter().filter(|p| *p != usual) {

@@ -16,7 +16,7 @@ use crate::scene::fingerprint::{fingerprint, world_fingerprint};
 use crate::scene::import::default_scene::{Aperture, Sky, Studio};
 use crate::scene::import::gltf::Show;
 use crate::scene::import::models::{self, ModelKind, ModelOptions, ModelSource};
-use crate::scene::import::{ImportOptions, mitsuba};
+use crate::scene::import::{ImportOptions, mitsuba, pbrt};
 use crate::scene::precautions::watertight_edges;
 use crate::scene::spare::{self, Trimmed};
 use crate::scene::{Description, Scene, lights_of};
@@ -238,7 +238,10 @@ fn check_no_defines(args: &SceneArgs) -> Result<(), Failure> {
     match args.read.define.first() {
         None => Ok(()),
         Some(first) => Err(Failure::wrong(
-            format!("-D {}: models have no keys to define", first.name),
+            format!(
+                "-D {}: only Mitsuba's scenes have keys to define",
+                first.name
+            ),
             "-D goes with a scene (.xml)",
         )),
     }
@@ -286,6 +289,10 @@ fn load_in(
         .map(|d| (d.name.clone(), d.value.clone()))
         .collect();
     let mut description = match input {
+        Input::Scene(path) if pbrt::is_scene(path) => {
+            check_no_defines(args)?;
+            pbrt::load(path, &options)?
+        }
         Input::Scene(path) => mitsuba::load(path, &options)?,
         Input::Models(sources) => load_models(sources, studio, &options, picture)?,
     };

@@ -17,7 +17,7 @@ use std::str::FromStr;
 /// Which scene, and how to read it. The scene's fingerprint has what comes of most of it.
 #[derive(Args, Clone, Debug, Serialize)]
 pub struct SceneArgs {
-    /// Scene file (Mitsuba XML), or models (.ply .obj .stl .gltf .glb), each with steps behind an
+    /// Scene file (Mitsuba's .xml, pbrt's .pbrt), or models (.ply .obj .stl .gltf .glb), each with steps behind an
     /// @: a.ply@translate=1,0,0;rotate=y,90;scale=2;material=gold;flat;flip
     #[arg(required = true, value_name = "SCENE|MODEL")]
     #[serde(skip)]

@@ -132,7 +132,7 @@ const COLLADA: Foreign = Foreign {
 };
 const PBRT: Foreign = Foreign {
     what: "a pbrt scene",
-    help: "convert it to Mitsuba's XML, or export it as glTF (.glb) where it was made",
+    help: "the name of one ends with .pbrt, or .pbrt.gz where it is packed",
 };
 const JSON: Foreign = Foreign {
     what: "JSON, as Tungsten's scenes and glTF files are",
@@ -194,9 +194,6 @@ pub fn of_scene(path: &Path, head: &[u8]) -> Option<Foreign> {
     let by_head = by_head(head);
     if by_head.is_some() {
         return by_head;
-    }
-    if ends("pbrt") {
-        return Some(PBRT);
     }
     let text = String::from_utf8_lossy(&head[..head.len().min(HEAD)]);
     let text = text.trim_start_matches('\u{feff}').trim_start();

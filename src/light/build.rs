@@ -93,20 +93,24 @@ impl Gathered {
                 intensity,
                 cutoff_degrees,
                 beam_degrees,
+                falloff,
                 texture,
             } => {
                 let intensity = sanitized(intensity);
-                let spot = Spot::new(to_world, intensity, cutoff_degrees, beam_degrees, texture);
+                let angles = [cutoff_degrees, beam_degrees];
+                let spot = Spot::new(to_world, intensity, angles, falloff, texture);
                 self.add_delta(id, Leaf::Spot(Box::new(spot)));
             }
             Emitter::Projector {
                 to_world,
-                irradiance,
+                slide,
+                values,
                 scale,
                 fov_degrees,
                 aspect,
             } => {
-                let projector = Projector::new(to_world, irradiance, scale, fov_degrees, aspect);
+                let shape = [fov_degrees, aspect];
+                let projector = Projector::new(to_world, (slide, values), scale, shape);
                 self.add_delta(id, Leaf::Projector(Box::new(projector)));
             }
             other => self.add_distant(id, other),

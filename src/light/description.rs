@@ -31,6 +31,26 @@ pub struct SunSky {
     pub z_up: bool,
 }
 
+/// How a spot light fades from its beam to its cutoff.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Falloff {
+    /// Linearly in the angle (Mitsuba).
+    #[default]
+    Linear,
+    /// Along 3 t^2 - 2 t^3 in the cosine of the angle (pbrt).
+    Smooth,
+}
+
+/// What the values of a projector's slide are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Slide {
+    /// Irradiance over pi on the plane one unit away (Mitsuba).
+    #[default]
+    Irradiance,
+    /// Power per solid angle (pbrt).
+    Intensity,
+}
+
 /// An emitter as a scene file describes it. Positions and directions are in world space.
 #[derive(Clone, Debug)]
 pub enum Emitter {
@@ -58,8 +78,10 @@ pub enum Emitter {
         intensity: Rgb,
         /// Half-angle where the light ends, degrees.
         cutoff_degrees: f32,
-        /// Half-angle where it begins to fall off (linearly in the angle), degrees.
+        /// Half-angle where it begins to fall off, degrees.
         beam_degrees: f32,
+        /// How it falls off.
+        falloff: Falloff,
         /// Image projected through the cone.
         texture: Option<Texture>,
     },
@@ -99,7 +121,9 @@ pub enum Emitter {
         /// Local to world: projects along local +z.
         to_world: Affine3A,
         /// The slide.
-        irradiance: Texture,
+        slide: Texture,
+        /// What its values are.
+        values: Slide,
         /// Factor.
         scale: f32,
         /// Full horizontal field of view, degrees.

@@ -1,12 +1,13 @@
 //! Environment maps from files.
 
+use super::equal_area;
 use super::latlong::LatLong;
 use crate::image::decoded::DecodeLimit;
 use crate::image::file::ImageFile;
 use crate::image::header::{Level, Window};
 use crate::image::{Image, ImageError, PixelType};
 use crate::math::rgb::sanitized;
-use crate::math::{Affine3A, Mat3, Rgb};
+use crate::math::{Affine3A, Mat3, Rgb, Vec3};
 use std::f32::consts::PI;
 use std::mem::size_of;
 use std::path::{Path, PathBuf};
@@ -14,11 +15,23 @@ use std::path::{Path, PathBuf};
 /// The largest number of a half float: what is beyond it is stored as infinite.
 const LARGEST_HALF: f32 = 65504.0;
 
+/// How a file lays the sphere of directions out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Layout {
+    /// Latitude by longitude.
+    #[default]
+    LatLong,
+    /// A square in which equal areas are equal solid angles (pbrt; see
+    /// [`crate::math::equal_area`]). It becomes a map of latitude by longitude.
+    EqualArea,
+}
+
 /// An image around the scene, in memory: linear, finite, nowhere negative.
 #[derive(Clone, PartialEq)]
 pub struct EnvironmentImage {
     path: PathBuf,
     gamma: Option<f32>,
+    layout: Layout,
     size: [usize; 2],
     pixels: Vec<Rgb>,
     oddities: Vec<String>,
@@ -30,6 +43,7 @@ impl std::fmt::Debug for EnvironmentImage {
         f.debug_struct("EnvironmentImage")
             .field("path", &self.path)
             .field("gamma", &self.gamma)
+            .field("layout", &self.layout)
             .field("size", &self.size)
             .finish_non_exhaustive()
     }
@@ -62,6 +76,7 @@ impl EnvironmentImage {
         let mut map = Self {
             path: path.to_owned(),
             gamma,
+            layout: Layout::LatLong,
             size: [whole.width as usize, whole.height as usize],
             pixels: Vec::new(),
             oddities: Vec::new(),
@@ -73,6 +88,37 @@ impl EnvironmentImage {
         drop(image);
         map.clean(halves);
         Ok(map)
+    }
+
+    /// Reads the square of equal areas in the file `path`. Its local +z is that of the map.
+    ///
+    /// # Errors
+    /// As [`EnvironmentImage::read`], and when it is no square.
+    pub fn read_equal_area(path: &Path, limit: DecodeLimit) -> Result<Self, ImageError> {
+        let mut map = Self::read(path, None, limit)?;
+        let [width, height] = map.size;
+        if width != height {
+            let reason = format!(
+                "an equal-area environment map is a square, not {width} x {height}: \
+                 pbrt's imgtool makeequiarea turns maps of latitude by longitude into one"
+            );
+            return Err(ImageError::new(path, reason));
+        }
+        (map.size, map.pixels) = equal_area::to_lat_long(width, &map.pixels);
+        map.layout = Layout::EqualArea;
+        Ok(map)
+    }
+
+    /// Mean luminance per steradian of what falls on a plane from the side of its normal, for light
+    /// of the map's own values: its illuminance in the local direction `up`.
+    pub fn illuminance(&self, up: Vec3) -> f32 {
+        let map = LatLong::new(self.size, self.pixels.clone(), PI, Mat3::IDENTITY);
+        map.map_or(0.0, |map| map.illuminance(up))
+    }
+
+    /// How the file lays directions out.
+    pub fn layout(&self) -> Layout {
+        self.layout
     }
 
     /// The file.

@@ -11,7 +11,7 @@ use super::blocks::Blocks;
 use super::caustic_emitter::{BRIGHT, CausticEmitter, LEAST_SHARE};
 use crate::math::distribution::sample_linear;
 use crate::math::rgb::selection_weight;
-use crate::math::{Mat3, Rgb, Vec2, Vec3};
+use crate::math::{Mat3, Rgb, Vec2, Vec3, luminance};
 use glam::FloatExt;
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
@@ -68,6 +68,18 @@ impl LatLong {
             to_local: to_world.transpose(),
             integral,
         })
+    }
+
+    /// Luminance that falls on a plane from the side of its normal `up`, a unit vector.
+    pub fn illuminance(&self, up: Vec3) -> f32 {
+        let texels = (0..self.pixels.len()).map(|i| {
+            let (row, column) = ((i / self.width) as f32, (i % self.width) as f32 + 0.5);
+            let (dir, sin_theta) = self.direction(column, row);
+            let step = self.theta_max / (self.height - 1) as f32;
+            let area = sin_theta * step * (TAU / self.width as f32);
+            f64::from(luminance(self.pixels[i]) * area * dir.dot(up).max(0.0))
+        });
+        texels.sum::<f64>() as f32
     }
 
     /// Integral of the radiance over all directions.

@@ -24,6 +24,7 @@ mod description;
 mod distant;
 mod emission;
 mod environment;
+mod equal_area;
 mod incident;
 mod latlong;
 mod leaf;
@@ -45,9 +46,9 @@ mod tree_build;
 mod triangle;
 
 pub use caustic_emitter::{CausticEmitter, Shining};
-pub use description::{Emitter, EmitterShape, SunSky};
+pub use description::{Emitter, EmitterShape, Falloff, Slide, SunSky};
 pub use emission::Emission;
-pub use environment::EnvironmentImage;
+pub use environment::{EnvironmentImage, Layout};
 pub use selection::{CHILDREN, ClusterFactors, LightSelection};
 pub use source::LightSource;
 

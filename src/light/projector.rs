@@ -1,9 +1,11 @@
-//! A slide projector (Mitsuba 3's `projector`): a pinhole camera run backwards.
+//! A slide projector (Mitsuba 3's `projector`, pbrt's `projection`): a pinhole camera run backwards.
 //!
 //! The slide's value is the irradiance on the plane one unit in front of the pinhole, times pi, so
-//! the intensity in a direction at angle theta off the axis is `pi value scale / cos^3 theta`.
+//! the intensity in a direction at angle theta off the axis is `pi value scale / cos^3 theta`. pbrt's
+//! values are intensities instead.
 
 use super::cluster::Cluster;
+use super::description::Slide;
 use super::incident::DeltaIncident;
 use super::point::incident_from;
 use crate::math::rgb::selection_weight;
@@ -17,7 +19,8 @@ pub(super) struct Projector {
     pub position: Vec3,
     pub to_world: Mat3,
     to_local: Mat3,
-    irradiance: Texture,
+    slide: Texture,
+    values: Slide,
     scale: f32,
     /// Half the slide's width and height at distance 1.
     half: Vec2,
@@ -27,10 +30,9 @@ impl Projector {
     /// `fov_degrees` spans the slide's width; `aspect` is its width over its height.
     pub fn new(
         to_world: Affine3A,
-        irradiance: Texture,
+        (slide, values): (Texture, Slide),
         scale: f32,
-        fov_degrees: f32,
-        aspect: f32,
+        [fov_degrees, aspect]: [f32; 2],
     ) -> Self {
         let half_width = (0.5 * fov_degrees.to_radians()).tan();
         let m = Mat3::from(to_world.matrix3);
@@ -38,7 +40,8 @@ impl Projector {
             position: to_world.translation.into(),
             to_world: m,
             to_local: m.inverse(),
-            irradiance,
+            slide,
+            values,
             scale,
             half: Vec2::new(half_width, half_width / aspect),
         }
@@ -57,7 +60,11 @@ impl Projector {
 
     /// Irradiance that leaves through a place of the slide, at distance 1.
     pub fn slide(&self, uv: Vec2) -> Rgb {
-        self.irradiance.eval(&SurfacePoint::at_uv(uv)) * (PI * self.scale)
+        let value = self.slide.eval(&SurfacePoint::at_uv(uv)) * self.scale;
+        match self.values {
+            Slide::Irradiance => value * PI,
+            Slide::Intensity => value * self.through(uv).length_recip().powi(3),
+        }
     }
 
     /// Power per solid angle in a local direction (any length).
@@ -76,7 +83,7 @@ impl Projector {
 
     pub fn cluster(&self) -> Cluster {
         let axis = (self.to_world * Vec3::Z).normalize_or_zero();
-        let strength = selection_weight(self.irradiance.mean()) * PI * self.scale;
+        let strength = selection_weight(self.slide.mean()) * PI * self.scale;
         Cluster {
             cos_spread: 1.0 / (1.0 + self.half.length_squared()).sqrt(),
             axis,

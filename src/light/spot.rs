@@ -1,9 +1,11 @@
-//! A point with a cone (Mitsuba 3's `spot`).
+//! A point with a cone (Mitsuba 3's and pbrt's `spot`).
 
 use super::cluster::Cluster;
+use super::description::Falloff;
 use super::incident::DeltaIncident;
 use super::point::incident_from;
 use crate::math::rgb::selection_weight;
+use crate::math::special::smoothstep;
 use crate::math::{Mat3, Rgb, Vec2, Vec3};
 use crate::texture::{SurfacePoint, Texture};
 
@@ -20,6 +22,7 @@ pub(super) struct Spot {
     cos_beam: f32,
     inv_transition: f32,
     tan_cutoff: f32,
+    falloff: Falloff,
     texture: Option<Texture>,
 }
 
@@ -28,8 +31,8 @@ impl Spot {
     pub fn new(
         to_world: crate::math::Affine3A,
         intensity: Rgb,
-        cutoff_degrees: f32,
-        beam_degrees: f32,
+        [cutoff_degrees, beam_degrees]: [f32; 2],
+        falloff: Falloff,
         texture: Option<Texture>,
     ) -> Self {
         let cutoff = cutoff_degrees.clamp(0.0, 180.0).to_radians();
@@ -46,6 +49,7 @@ impl Spot {
             // Infinite for equal angles: never used then, because nothing lies between them.
             inv_transition: 1.0 / (cutoff - beam),
             tan_cutoff: cutoff.tan(),
+            falloff,
             texture,
         }
     }
@@ -65,7 +69,12 @@ impl Spot {
         let falloff = if cos >= self.cos_beam {
             1.0
         } else {
-            ((self.cutoff - cos.acos()) * self.inv_transition).clamp(0.0, 1.0)
+            match self.falloff {
+                Falloff::Linear => {
+                    ((self.cutoff - cos.acos()) * self.inv_transition).clamp(0.0, 1.0)
+                }
+                Falloff::Smooth => smoothstep(self.cos_cutoff, self.cos_beam, cos),
+            }
         };
         let Some(texture) = &self.texture else {
             return self.intensity * falloff;

@@ -6,10 +6,12 @@
 
 mod dragon;
 mod flake;
+mod instances;
 mod knot;
 mod ply;
 mod terrain;
 
+pub use instances::{Dialect, Instances};
 pub use ply::write as write_ply;
 
 use crate::math::{DVec3, Vec3};

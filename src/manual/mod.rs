@@ -9,6 +9,7 @@
 //! | [`denoise`] | `--denoise` and `twintree denoise`, where the denoiser comes from, what it gains |
 //! | [`guiding`] | options of guiding, field files, what guiding gains |
 //! | [`parts`] | checkpoints, parts of an image on many machines, job files |
+//! | [`pbrt`] | what of pbrt's scene files is read, and how near it comes |
 //! | [`scenes`] | what of Mitsuba's scene files is read; models without a scene |
 //! | [`models`] | what of glTF, MTL, PLY, STL and USD is read, approximated, left out |
 //! | [`compare`] | how far images are from a reference; `sweep`: which settings suit a scene |
@@ -43,6 +44,10 @@ pub mod models {
 
 pub mod parts {
     #![doc = include_str!("parts.md")]
+}
+
+pub mod pbrt {
+    #![doc = include_str!("pbrt.md")]
 }
 
 pub mod render {

@@ -148,6 +148,16 @@ fn polynomial(coefficients: &[f32; 9], x: f32) -> f32 {
     coefficients.iter().fold(0.0, |sum, &c| sum * x + c)
 }
 
+/// From 0 at `low` to 1 at `high` along 3 t^2 - 2 t^3, and no farther; a step where both are equal.
+#[inline]
+pub fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
+    if low == high {
+        return if x < low { 0.0 } else { 1.0 };
+    }
+    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -158,8 +158,10 @@ impl Print {
             self.text(format_args!("{emitter:?}"));
             return Ok(());
         };
-        let gamma = image.gamma();
-        self.text(format_args!("environment {scale} {to_world:?} {gamma:?}"));
+        let (gamma, layout) = (image.gamma(), image.layout());
+        self.text(format_args!(
+            "environment {scale} {to_world:?} {gamma:?} {layout:?}"
+        ));
         self.file(image.path())
     }
 

@@ -4,8 +4,10 @@
 mod bitmap;
 #[cfg(feature = "oiio")]
 mod cached;
+mod computed;
 mod curve;
 mod load;
+mod noise;
 mod pattern;
 mod place;
 mod pyramid;
@@ -20,6 +22,8 @@ mod texels;
 mod tiled;
 
 pub use bitmap::Bitmap;
+pub use computed::{Computed, NoiseKind};
+pub use noise::Octaves;
 pub use pattern::{Checkerboard, Grid};
 pub use reads::Reads;
 pub use store::TextureStore;
@@ -165,6 +169,8 @@ pub enum Texture {
     Limited(std::sync::Arc<Texture>),
     /// An attribute of the mesh, by name; black where the mesh has none of that name.
     MeshAttribute(std::sync::Arc<str>),
+    /// A formula of other textures, of texture coordinates, or of where the point is.
+    Computed(std::sync::Arc<Computed>),
 }
 
 /// Placement of a texture: `uv * scale + offset` in the general (affine) sense.
@@ -230,6 +236,7 @@ impl Texture {
             Texture::Threshold(step) => Rgb::splat(reaches(step.0.eval_scalar(point), step.1)),
             Texture::Limited(inner) => limited(inner.eval(point)),
             Texture::MeshAttribute(name) => point.attribute(name),
+            Texture::Computed(formula) => formula.eval(point),
         }
     }
 
@@ -242,6 +249,7 @@ impl Texture {
             Texture::Checkerboard(board) => board.eval_scalar(point),
             Texture::Threshold(step) => reaches(step.0.eval_scalar(point), step.1),
             Texture::Limited(inner) => inner.eval_scalar(point).clamp(0.0, 1.0),
+            Texture::Computed(formula) => formula.eval_scalar(point),
             // A grey factor does not care which of the two is taken first, but a texture may.
             Texture::Scale(scaled) if is_grey(scaled.1) => scaled.0.eval_scalar(point) * scaled.1.x,
             other => luminance(other.eval(point)),
@@ -293,6 +301,7 @@ impl Texture {
             Texture::Threshold(_) => Rgb::splat(0.5),
             Texture::Limited(inner) => limited(inner.mean()),
             Texture::MeshAttribute(_) => Rgb::splat(0.5),
+            Texture::Computed(formula) => formula.mean(),
         }
     }
 
@@ -315,6 +324,7 @@ impl Texture {
                 let uncut = inner.largest().is_some_and(|largest| largest <= 1.0);
                 !varies(inner) || uncut && inner.averages()
             }
+            Texture::Computed(formula) => formula.averages(),
         }
     }
 
@@ -330,6 +340,7 @@ impl Texture {
                 Some(Rgb::splat(reaches(value, step.1)))
             }
             Texture::Limited(inner) => inner.constant().map(limited),
+            Texture::Computed(formula) => formula.constant(),
             _ => None,
         }
     }
@@ -348,6 +359,7 @@ impl Texture {
             Texture::Threshold(_) => 1.0,
             Texture::Limited(inner) => inner.largest()?.clamp(0.0, 1.0),
             Texture::MeshAttribute(_) => return None,
+            Texture::Computed(formula) => formula.largest()?,
         })
     }
 }

@@ -32,6 +32,12 @@ impl Texture {
             }
             Texture::Threshold(step) => step.0.add_reads(reads),
             Texture::Limited(inner) => inner.add_reads(reads),
+            Texture::Computed(formula) => {
+                reads.uvs |= formula.reads_uvs();
+                for inner in formula.inner() {
+                    inner.add_reads(reads);
+                }
+            }
             Texture::MeshAttribute(name) => {
                 reads.attributes.insert(name.clone());
             }

@@ -81,6 +81,11 @@ fn scenes() {
 }
 
 #[test]
+fn pbrt_scenes() {
+    attack("pbrt", 300, 1, |input| targets::pbrt(&input));
+}
+
+#[test]
 fn fields() {
     attack("field", 1500, 50, |input| {
         targets::field(&input) | targets::field(&targets::mended_field(input))

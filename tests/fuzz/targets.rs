@@ -20,7 +20,7 @@ use twintree::math::{Rgb, Vec2, Vec3};
 use twintree::scene::import::gltf::{self, GltfOptions, Show};
 use twintree::scene::import::mesh::{MeshKind, MeshOptions, read};
 use twintree::scene::import::parts::Parts;
-use twintree::scene::import::{ImportOptions, mitsuba};
+use twintree::scene::import::{ImportError, ImportOptions, mitsuba, pbrt};
 use twintree::scene::{Description, Mesh, Scene};
 use twintree::texture::TextureStore;
 
@@ -46,14 +46,25 @@ fn worded(error: &dyn std::fmt::Display, place: &str) {
 /// Loads a scene's text and renders a thumbnail of it; leniently, if it is refused otherwise.
 /// Whether it is not.
 pub fn xml(text: &[u8]) -> bool {
+    scene(text, "scene.xml", mitsuba::load)
+}
+
+/// The same for a scene of pbrt.
+pub fn pbrt(text: &[u8]) -> bool {
+    scene(text, "scene.pbrt", pbrt::load)
+}
+
+type Load = fn(&Path, &ImportOptions) -> Result<Description, ImportError>;
+
+fn scene(text: &[u8], name: &str, load: Load) -> bool {
     let directory = tempfile::tempdir().expect("a directory");
-    let path = directory.path().join("scene.xml");
+    let path = directory.path().join(name);
     std::fs::write(&path, text).expect("the scene is written");
     let mut options = ImportOptions::new(Arc::new(TextureStore::new(1 << 20)));
     for lenient in [false, true] {
         options.lenient = lenient;
-        match mitsuba::load(&path, &options) {
-            Err(error) => worded(&error, "scene.xml"),
+        match load(&path, &options) {
+            Err(error) => worded(&error, name),
             Ok(description) => {
                 thumbnail(description);
                 return !lenient;

@@ -67,11 +67,12 @@ fn photons_carry_the_power_of_their_light() {
 /// Emitters without a surface, each with its power on the scene.
 fn others() -> Vec<(&'static str, Emitter, f32)> {
     let radius2 = BOUNDS.radius().powi(2) * 1.0001 * 1.0001;
-    let spot = |beam_degrees: f32| Emitter::Spot {
+    let spot = |beam_degrees: f32, falloff| Emitter::Spot {
         to_world: placed(Vec3::ONE, Vec3::new(0.5, -1.0, 3.0)),
         intensity: Rgb::splat(7.0),
         cutoff_degrees: 40.0,
         beam_degrees,
+        falloff,
         texture: None,
     };
     // Integral of 2 pi sin(t) over the beam, and of the same times (cutoff - t) / (cutoff - beam)
@@ -87,13 +88,41 @@ fn others() -> Vec<(&'static str, Emitter, f32)> {
             },
             8.0 * PI,
         ),
-        ("sharp spot", spot(40.0), 14.0 * PI * (1.0 - c.cos())),
-        ("spot", spot(20.0), 14.0 * PI * (1.0 - b.cos() + falling)),
+        (
+            "sharp spot",
+            spot(40.0, Falloff::Linear),
+            14.0 * PI * (1.0 - c.cos()),
+        ),
+        (
+            "spot",
+            spot(20.0, Falloff::Linear),
+            14.0 * PI * (1.0 - b.cos() + falling),
+        ),
+        // The mean of 3 t^2 - 2 t^3 is a half.
+        (
+            "smooth spot",
+            spot(20.0, Falloff::Smooth),
+            14.0 * PI * (1.0 - 0.5 * (b.cos() + c.cos())),
+        ),
+        // The same intensity within the solid angle of a slide of 2 by 1 at distance 1.
+        (
+            "projection",
+            Emitter::Projector {
+                to_world: placed(Vec3::ONE, Vec3::new(0.0, 0.0, -4.0)),
+                slide: grey(0.5),
+                values: Slide::Intensity,
+                scale: 3.0,
+                fov_degrees: 90.0,
+                aspect: 2.0,
+            },
+            1.5 * 4.0 * (0.5f32 / (1.0f32 + 1.0 + 0.25).sqrt()).atan(),
+        ),
         (
             "projector",
             Emitter::Projector {
                 to_world: placed(Vec3::ONE, Vec3::new(0.0, 0.0, -4.0)),
-                irradiance: grey(0.5),
+                slide: grey(0.5),
+                values: Slide::Irradiance,
                 scale: 3.0,
                 fov_degrees: 90.0,
                 aspect: 2.0,

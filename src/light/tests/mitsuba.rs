@@ -120,6 +120,7 @@ fn spots_and_projectors() {
             intensity: Rgb::new(3.0, 2.0, 1.0),
             cutoff_degrees: 30.0,
             beam_degrees: 18.0,
+            falloff: Falloff::Linear,
             texture: None,
         },
     );
@@ -137,6 +138,7 @@ fn spots_and_projectors() {
             intensity: Rgb::splat(3.0),
             cutoff_degrees: 30.0,
             beam_degrees: 22.5,
+            falloff: Falloff::Linear,
             texture: Some(Texture::Checkerboard(Arc::new(check))),
         },
     );
@@ -144,7 +146,8 @@ fn spots_and_projectors() {
         "slide",
         Emitter::Projector {
             to_world,
-            irradiance: grey(0.7),
+            slide: grey(0.7),
+            values: Slide::Irradiance,
             scale: 2.0,
             fov_degrees: 40.0,
             aspect: 8.0 / 6.0,

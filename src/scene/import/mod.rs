@@ -4,14 +4,19 @@ use std::path::PathBuf;
 
 pub mod default_scene;
 mod encoding;
+mod faults;
 pub mod gltf;
+mod gzip;
 pub mod ior;
 pub mod mesh;
 pub mod mitsuba;
 pub mod models;
 mod named;
+mod numbers;
 mod options;
+mod origin;
 pub mod parts;
+pub mod pbrt;
 pub mod spectrum;
 mod spectrum_tables;
 

@@ -1,4 +1,5 @@
-//! Files that other files name: found as they were meant, or with a hint at what is there instead.
+//! Names in files: other files, found as they were meant or with a hint at what is there instead, and
+//! words that were misspelt.
 
 use std::path::{Path, PathBuf};
 
@@ -75,6 +76,25 @@ fn similar(path: &Path) -> Option<PathBuf> {
     names.filter(same).min().map(|name| folder.join(name))
 }
 
+/// The known name most like `name`, if one is like it at all.
+pub(super) fn nearest<'n>(name: &str, known: impl IntoIterator<Item = &'n str>) -> Option<&'n str> {
+    let name = name.to_lowercase();
+    known
+        .into_iter()
+        .map(|k| (strsim::jaro_winkler(&name, &k.to_lowercase()), k))
+        .filter(|(likeness, _)| *likeness > 0.75)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, k)| k)
+}
+
+/// `did you mean "x"?` for the nearest of the known names.
+pub(super) fn did_you_mean<'n>(
+    name: &str,
+    known: impl IntoIterator<Item = &'n str>,
+) -> Option<String> {
+    nearest(name, known).map(|n| format!("did you mean \"{n}\"?"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -128,5 +148,13 @@ mod tests {
         assert!(of("C:\\me\\stone.png").ends_with("stone.png"));
         assert_eq!(of("absent.png"), "");
         assert_eq!(of("stone.png"), "");
+    }
+
+    #[test]
+    fn the_nearest_name_is_found_and_strangers_are_not() {
+        let known = ["diffuse", "dielectric", "conductor"];
+        assert_eq!(nearest("difuse", known), Some("diffuse"));
+        assert_eq!(nearest("Conducter", known), Some("conductor"));
+        assert_eq!(nearest("zzz", known), None);
     }
 }

@@ -28,7 +28,7 @@ pub enum Weighting {
 const STEPS_PER_ENTRY: usize = 10;
 
 /// XYZ (D65 white) to linear sRGB, ITU-R BT.709 primaries.
-fn xyz_to_rgb(xyz: DVec3) -> Rgb {
+pub(super) fn xyz_to_rgb(xyz: DVec3) -> Rgb {
     let row = |a: f64, b: f64, c: f64| (a * xyz.x + b * xyz.y + c * xyz.z) as f32;
     Rgb::new(
         row(3.240_479, -1.537_150, -0.498_535),
@@ -89,7 +89,7 @@ pub fn black_body(kelvin: f64) -> Rgb {
 }
 
 /// The curve through `samples` at `wavelength`; 0 outside.
-fn interpolate(samples: &[(f64, f64)], wavelength: f64) -> f64 {
+pub(super) fn interpolate(samples: &[(f64, f64)], wavelength: f64) -> f64 {
     let above = samples.partition_point(|s| s.0 <= wavelength);
     let Some(&(w0, v0)) = above.checked_sub(1).and_then(|i| samples.get(i)) else {
         return 0.0;

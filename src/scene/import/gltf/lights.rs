@@ -7,7 +7,7 @@
 use super::schema::{Camera, Document};
 use super::{Importer, error};
 use crate::camera::{CameraDescription, FovAxis, Projection};
-use crate::light::Emitter;
+use crate::light::{Emitter, Falloff};
 use crate::math::{Affine3A, DAffine3, DVec3, Rgb};
 use crate::scene::import::ImportError;
 use crate::scene::import::parts::NamedCamera;
@@ -107,6 +107,7 @@ impl Importer<'_> {
             intensity,
             cutoff_degrees: outer.to_degrees(),
             beam_degrees: inner.to_degrees(),
+            falloff: Falloff::Linear,
             texture: None,
         }
     }

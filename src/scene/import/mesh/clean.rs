@@ -187,7 +187,8 @@ fn repair_values(raw: &mut Raw, warnings: &mut Vec<String>) {
 
 /// Leaves `raw.normals` in world space as the options ask.
 fn shade(raw: &mut Raw, options: &MeshOptions, warnings: &mut Vec<String>) {
-    if options.face_normals || (raw.flat && options.max_smooth_angle.is_none()) {
+    let flat = raw.flat || (options.flat_without_normals && raw.normals.is_none());
+    if options.face_normals || (flat && options.max_smooth_angle.is_none()) {
         raw.normals = None;
         return;
     }

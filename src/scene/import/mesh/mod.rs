@@ -28,9 +28,9 @@ mod stl;
 mod tests;
 mod text;
 
-use super::{ImportError, encoding, named};
+use super::{ImportError, encoding, gzip, named};
 use crate::image::decoded::DecodeLimit;
-use crate::image::{foreign, mapped};
+use crate::image::foreign;
 use crate::math::{DAffine3, DVec3, Vec2, Vec3, Vec4};
 use crate::scene::description::Mesh;
 use crate::texture::MeshAttribute;
@@ -45,6 +45,8 @@ pub struct MeshOptions {
     pub to_world: DAffine3,
     /// Flat shading: normals of the file are dropped and none are computed.
     pub face_normals: bool,
+    /// Flat shading where the file has no normals, instead of normals that are computed.
+    pub flat_without_normals: bool,
     /// Turn the surface around: normals are negated and the winding is reversed.
     pub flip_normals: bool,
     /// Replace v by 1 - v. Mitsuba's default is true for OBJ and false for the others.
@@ -81,6 +83,7 @@ impl Default for MeshOptions {
         Self {
             to_world: DAffine3::IDENTITY,
             face_normals: false,
+            flat_without_normals: false,
             flip_normals: false,
             flip_tex_coords: false,
             max_smooth_angle: None,
@@ -138,7 +141,7 @@ pub struct Loaded {
 /// is not of the format, ends early, names vertices that it does not have, holds a position that is
 /// not finite, or has no triangle.
 pub fn load(path: &Path, kind: MeshKind, options: &MeshOptions) -> Result<Loaded, ImportError> {
-    read(&open(path)?, kind, options, path)
+    read(&open(path, options)?, kind, options, path)
 }
 
 /// [`load`] of bytes in memory; `path` is for messages.
@@ -161,7 +164,7 @@ pub fn read(
 /// When the file cannot be opened or is not of the format, ends early, or names vertices that it
 /// does not have.
 pub fn buffers(path: &Path, kind: MeshKind, options: &MeshOptions) -> Result<Buffers, ImportError> {
-    let raw = raw(&open(path)?, kind, options, path)?;
+    let raw = raw(&open(path, options)?, kind, options, path)?;
     Ok(Buffers {
         positions: raw.positions,
         normals: raw.normals,
@@ -172,11 +175,11 @@ pub fn buffers(path: &Path, kind: MeshKind, options: &MeshOptions) -> Result<Buf
     })
 }
 
-fn open(path: &Path) -> Result<mapped::Mapped, ImportError> {
-    mapped::open(path).map_err(|e| ImportError {
+fn open(path: &Path, options: &MeshOptions) -> Result<gzip::Bytes, ImportError> {
+    gzip::open(path, options.decode).map_err(|message| ImportError {
         at: None,
         file: Some(path.to_owned()),
-        message: format!("cannot be read: {e}{}", named::hint_of(path)),
+        message: format!("{message}{}", named::hint_of(path)),
         help: None,
     })
 }

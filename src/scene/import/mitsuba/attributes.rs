@@ -61,7 +61,7 @@ impl Reader {
             if known.contains(&name.as_str()) {
                 continue;
             }
-            let hint = names::did_you_mean(name, known.iter().copied());
+            let hint = named::did_you_mean(name, known.iter().copied());
             let hint = hint.map(|h| format!("; {h}")).unwrap_or_default();
             let warning = format!(
                 "{place}: <{}> has no attribute \"{name}\"{hint}",
@@ -156,7 +156,7 @@ impl Reader {
                     .to_owned(),
             ),
             "animation" => Some("motion is not supported; write a single <transform>".into()),
-            tag => names::did_you_mean(tag, known),
+            tag => named::did_you_mean(tag, known),
         };
         let message = format!("<{}> is not known", element.tag);
         self.document.error_help(element.at, message, help)

@@ -1,14 +1,13 @@
 //! The parameters of materials, as their models ask for them.
 
 use super::importer::Importer;
-use super::names;
 use super::params::Params;
 use super::role::Role;
 use super::textures::times;
 use super::value::{Dialect, Value};
 use crate::bsdf::material::{Distribution, Parameters, Roughness};
 use crate::math::Rgb;
-use crate::scene::import::ior;
+use crate::scene::import::{ior, named};
 use crate::texture::Texture;
 
 /// The least roughness: a distribution of width 0 is not a function. Mitsuba's bound.
@@ -50,7 +49,7 @@ impl Asking<'_, '_> {
         named: &str,
         known: impl Iterator<Item = &'static str>,
     ) {
-        let help = names::did_you_mean(named, known);
+        let help = named::did_you_mean(named, known);
         let message = format!("no {what} is called \"{named}\"");
         let at = self.p.place_of(parameter);
         let error = self.p.document().error_help(at, message, help);

@@ -1,6 +1,6 @@
 //! `$name` in attribute values: `<default>`s of the scene and definitions from the command line.
 
-use super::names;
+use crate::scene::import::named;
 use std::collections::{BTreeSet, HashMap};
 
 /// The longest text a substitution may give: defaults that name each other can double in length
@@ -98,7 +98,7 @@ impl Defines {
         known.sort_unstable();
         // A hint costs a comparison with every name: a file full of mistakes gets some.
         known.truncate(if self.missed > 100 { 0 } else { known.len() });
-        let hint = names::nearest(name, known)
+        let hint = named::nearest(name, known)
             .map(|n| format!(" (did you mean ${n}?)"))
             .unwrap_or_default();
         format!("${name} has no value{hint}; give it one with <default> or -D {name}=VALUE")

@@ -3,9 +3,9 @@
 //!
 //! The [`super::reader`] fills it; here is what it holds and how messages about it are made.
 
-use super::faults::Faults;
 use super::value::{Dialect, Value};
-use super::xml::At;
+use crate::scene::import::faults::At;
+use crate::scene::import::faults::Faults;
 use crate::scene::import::{ImportError, Location};
 use std::path::{Path, PathBuf};
 

@@ -10,7 +10,7 @@ use super::value::{Dialect, Value};
 use crate::camera::FovAxis;
 use crate::image::file::ImageFile;
 use crate::image::header::Level;
-use crate::light::{Emitter, EnvironmentImage, SunSky};
+use crate::light::{Emitter, EnvironmentImage, Falloff, Slide, SunSky};
 use crate::math::{DAffine3, DVec3, Rgb};
 use crate::scene::import::{ImportError, named};
 use std::path::{Path, PathBuf};
@@ -75,6 +75,7 @@ impl<'a> Importer<'a> {
             intensity: intensity.unwrap_or(Rgb::ONE),
             cutoff_degrees: cutoff as f32,
             beam_degrees: beam as f32,
+            falloff: Falloff::Linear,
             texture,
         })
     }
@@ -240,7 +241,8 @@ impl<'a> Importer<'a> {
         let (fov, axis) = sensors::field_of_view(p);
         Ok(Emitter::Projector {
             to_world: single(self.place(p.to_world(), None)),
-            irradiance,
+            slide: irradiance,
+            values: Slide::Irradiance,
             scale: p.float("scale", 1.0) as f32,
             fov_degrees: horizontal(fov, axis, aspect) as f32,
             aspect: aspect as f32,

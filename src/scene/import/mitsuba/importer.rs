@@ -2,7 +2,6 @@
 //! import its own.
 
 use super::document::Document;
-use super::origin;
 use super::params::Params;
 use super::pending::{PendingShape, Sensor};
 use super::role::Role;
@@ -11,7 +10,7 @@ use crate::light::{Emitter, EnvironmentImage};
 use crate::math::{DAffine3, DVec3};
 use crate::medium::{Media, MediumId};
 use crate::scene::description::RenderDescription;
-use crate::scene::import::{ImportError, ImportOptions};
+use crate::scene::import::{ImportError, ImportOptions, origin};
 use crate::texture::Texture;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::PathBuf;

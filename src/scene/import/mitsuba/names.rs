@@ -19,25 +19,6 @@ pub(super) fn normalise(name: &str) -> String {
     out
 }
 
-/// The known name most like `name`, if one is like it at all.
-pub(super) fn nearest<'n>(name: &str, known: impl IntoIterator<Item = &'n str>) -> Option<&'n str> {
-    let name = name.to_lowercase();
-    known
-        .into_iter()
-        .map(|k| (strsim::jaro_winkler(&name, &k.to_lowercase()), k))
-        .filter(|(likeness, _)| *likeness > 0.75)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, k)| k)
-}
-
-/// `did you mean "x"?` for the nearest of the known names.
-pub(super) fn did_you_mean<'n>(
-    name: &str,
-    known: impl IntoIterator<Item = &'n str>,
-) -> Option<String> {
-    nearest(name, known).map(|n| format!("did you mean \"{n}\"?"))
-}
-
 /// Elements that make an object, with the plugins known for each. An empty list means that any is
 /// taken.
 #[rustfmt::skip]
@@ -116,13 +97,5 @@ mod tests {
             assert_eq!(normalise(old), new);
             assert_eq!(normalise(new), new);
         }
-    }
-
-    #[test]
-    fn the_nearest_name_is_found_and_strangers_are_not() {
-        let known = ["diffuse", "dielectric", "conductor"];
-        assert_eq!(nearest("difuse", known), Some("diffuse"));
-        assert_eq!(nearest("Conducter", known), Some("conductor"));
-        assert_eq!(nearest("zzz", known), None);
     }
 }

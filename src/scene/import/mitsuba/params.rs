@@ -5,11 +5,10 @@
 //! the list of a plugin's parameters exists in one place only, the code that uses them.
 
 use super::document::{Document, Object, Property};
-use super::names;
 use super::value::{Dialect, Value};
-use super::xml::At;
 use crate::math::{DAffine3, DVec3};
-use crate::scene::import::ImportError;
+use crate::scene::import::faults::At;
+use crate::scene::import::{ImportError, named};
 use std::cell::{Cell, RefCell};
 
 /// An object being read.
@@ -329,7 +328,7 @@ impl<'a> Params<'a> {
                 inner.tag, inner.plugin
             );
         }
-        let hint = names::did_you_mean(&property.name, asked.iter().copied())
+        let hint = named::did_you_mean(&property.name, asked.iter().copied())
             .map(|h| format!("; {h}"))
             .unwrap_or_default();
         format!(

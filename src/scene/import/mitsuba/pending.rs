@@ -1,12 +1,12 @@
 //! What waits for the end of the import: shapes whose meshes are not loaded yet, and the sensor.
 
-use super::xml::At;
 use crate::bsdf::MaterialId;
 use crate::camera::CameraDescription;
 use crate::film::FilmDescription;
 use crate::medium::{Boundary, MediumId};
 use crate::scene::Geometry;
 use crate::scene::description::SamplerKind;
+use crate::scene::import::faults::At;
 use crate::scene::import::mesh::{MeshKind, MeshOptions};
 use crate::texture::Texture;
 use std::path::PathBuf;

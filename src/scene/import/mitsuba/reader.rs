@@ -6,9 +6,10 @@
 use super::defines::Defines;
 use super::document::{Document, Object, Property};
 use super::value::{Dialect, Value};
-use super::xml::{self, At, Element};
+use super::xml::{self, Element};
 use super::{encoding, names, references};
 use crate::image::{foreign, regular};
+use crate::scene::import::faults::At;
 use crate::scene::import::{ImportError, named};
 use std::collections::{HashMap, HashSet};
 use std::path::Path;

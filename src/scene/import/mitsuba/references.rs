@@ -3,8 +3,8 @@
 use super::document::{Document, Object};
 use super::names;
 use super::value::Value;
-use super::xml::At;
-use crate::scene::import::ImportError;
+use crate::scene::import::faults::At;
+use crate::scene::import::{ImportError, named};
 use std::collections::HashMap;
 
 /// Unknown names that are compared with all known ones.
@@ -52,7 +52,7 @@ fn refuse_unknown_plugins(document: &mut Document) {
     for object in document.objects.iter().zip(&unknown) {
         let (object, true) = object else { continue };
         let known = known_plugins(object);
-        let help = names::did_you_mean(&object.plugin, known.iter().copied());
+        let help = named::did_you_mean(&object.plugin, known.iter().copied());
         let help = help.unwrap_or_else(|| format!("known are {}", known.join(", ")));
         let message = format!("{} \"{}\" is not known", object.tag, object.plugin);
         let error = document.error_help(object.at, message, Some(help));
@@ -96,7 +96,7 @@ pub(super) fn unknown(
     // The order of a hash map is not the same twice; messages should be.
     let mut known: Vec<&str> = ids.keys().map(String::as_str).collect();
     known.sort_unstable();
-    let help = names::did_you_mean(id, known);
+    let help = named::did_you_mean(id, known);
     document.error_help(at, format!("nothing has the id \"{id}\""), help)
 }
 

@@ -1,6 +1,8 @@
 //! Values of parameters: numbers, vectors, colours, read from attribute text.
 
 use crate::math::{DMat4, DVec3, Rgb};
+use crate::scene::import::numbers;
+pub(super) use crate::scene::import::numbers::{number, numbers, words};
 use crate::scene::import::spectrum::{self, Weighting};
 
 /// A parameter's value.
@@ -85,27 +87,6 @@ impl Color {
     }
 }
 
-/// Words between blanks and commas.
-pub(super) fn words(text: &str) -> impl Iterator<Item = &str> {
-    text.split(|c: char| c.is_whitespace() || c == ',')
-        .filter(|w| !w.is_empty())
-}
-
-/// A finite number.
-pub(super) fn number(text: &str) -> Result<f64, String> {
-    let trimmed = text.trim();
-    match trimmed.parse::<f64>() {
-        Ok(v) if v.is_finite() && v.abs() <= f64::from(f32::MAX) => Ok(v),
-        Ok(_) => Err(format!("\"{trimmed}\" is not a finite number")),
-        Err(_) => Err(format!("\"{trimmed}\" is not a number")),
-    }
-}
-
-/// All numbers of a list.
-pub(super) fn numbers(text: &str) -> Result<Vec<f64>, String> {
-    words(text).map(number).collect()
-}
-
 /// One number for all three or three numbers.
 pub(super) fn vector(text: &str) -> Result<DVec3, String> {
     match numbers(text)?.as_slice() {
@@ -185,33 +166,12 @@ fn pair(word: &str) -> Result<(f64, f64), String> {
 
 /// Checks samples of a spectrum.
 pub(super) fn samples(samples: Vec<(f64, f64)>) -> Result<Color, String> {
-    if samples.len() < 2 {
-        return Err("a sampled spectrum needs at least two wavelengths".into());
-    }
-    if samples.windows(2).any(|w| w[0].0 >= w[1].0) {
-        return Err("the wavelengths of a spectrum must increase".into());
-    }
-    Ok(Color::Samples(samples))
+    numbers::increasing(samples).map(Color::Samples)
 }
 
-/// Text of a `.spd` file: a wavelength and a value a line, `#` begins a comment.
+/// Text of a `.spd` file.
 pub(super) fn spectrum_file(text: &str) -> Result<Color, String> {
-    let lines = text
-        .trim_start_matches('\u{feff}')
-        .lines()
-        .map(|l| l.split('#').next().unwrap_or("").trim());
-    let mut list = Vec::new();
-    for line in lines.filter(|l| !l.is_empty()) {
-        match numbers(line)?.as_slice() {
-            &[w, v] => list.push((w, v)),
-            _ => {
-                return Err(format!(
-                    "expected a wavelength and a value, found \"{line}\""
-                ));
-            }
-        }
-    }
-    samples(list)
+    numbers::samples(text).map(Color::Samples)
 }
 
 /// A temperature such as `5000` or `5000K`.

@@ -5,10 +5,10 @@ use super::document::Document;
 use super::importer::{Environments, Importer};
 use super::params::Params;
 use super::value::Value;
-use super::{framing, integrators, meshes, origin};
+use super::{framing, integrators, meshes};
 use crate::math::DVec3;
 use crate::scene::Description;
-use crate::scene::import::{ImportError, ImportOptions};
+use crate::scene::import::{ImportError, ImportOptions, origin};
 
 /// Imports a whole document.
 pub(super) fn import(

@@ -6,6 +6,7 @@
 //! circulation have them.
 
 use super::entities;
+use crate::scene::import::faults::At;
 use crate::scene::import::{ImportError, Location};
 use std::path::Path;
 
@@ -13,17 +14,6 @@ use std::path::Path;
 const MAX_NESTING: usize = 50;
 /// Elements and texts of one file.
 const MAX_NODES: u32 = 20_000_000;
-
-/// A place in one of the files of a scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) struct At {
-    /// Index of the file.
-    pub file: usize,
-    /// Line, from 1.
-    pub line: u32,
-    /// Column in characters, from 1.
-    pub column: u32,
-}
 
 /// An element.
 #[derive(Debug)]

@@ -1,6 +1,7 @@
 //! Tests of the importer as a whole.
 
 mod broken;
+mod far_away;
 mod growth;
 mod left_out;
 mod media;

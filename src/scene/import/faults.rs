@@ -4,11 +4,21 @@
 //! was wrong is one error; with [`lenient`](crate::scene::import::ImportOptions::lenient), a
 //! warning each that says what took its place.
 
-use super::xml::At;
-use crate::scene::import::ImportError;
+use super::ImportError;
 use std::cell::RefCell;
 use std::collections::HashSet;
 use std::fmt::Write as _;
+
+/// A place in one of the files of a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct At {
+    /// Index of the file.
+    pub file: usize,
+    /// Line, from 1.
+    pub line: u32,
+    /// Column in characters, from 1.
+    pub column: u32,
+}
 
 /// Errors that are listed; the others are counted.
 const MOST_LISTED: usize = 100;

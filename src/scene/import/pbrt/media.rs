@@ -1,0 +1,184 @@
+//! Participating media.
+
+use super::importer::{Importer, Role};
+use super::parameter::Kind;
+use super::params::Params;
+use super::statement::Directive;
+use super::subsurface::homogeneous;
+use super::{graphics, presets};
+use crate::math::{DAffine3, DVec3, Rgb};
+use crate::medium::grids::{Albedo, Grid, Heterogeneous, Lookup};
+use crate::medium::{Extinction, Medium, MediumId, PhaseLobe, VACUUM};
+use crate::scene::import::faults::At;
+use crate::scene::import::named;
+use std::sync::Arc;
+
+/// The kinds of media that are read.
+pub(super) const MEDIA: &[&str] = &["homogeneous", "uniformgrid", "rgbgrid"];
+
+impl<'s> Importer<'s> {
+    /// The medium of that name; nothing for an empty one.
+    pub fn medium_named(&mut self, name: &str, at: At) -> MediumId {
+        if name.is_empty() {
+            return VACUUM;
+        }
+        let known = self.named_media.get(name).cloned();
+        let later = || self.later(Directive::MakeNamedMedium, name, false);
+        let Some(definition) = known.or_else(later) else {
+            let known = self.named_media.keys().copied();
+            let help = named::did_you_mean(name, known).map_or(String::new(), |h| format!("; {h}"));
+            let message = format!("there is no medium \"{name}\"{help}");
+            self.source.fault(at, message, "nothing takes its place");
+            return VACUUM;
+        };
+        let key = definition.identity();
+        if let Some(&id) = self.medium_of.get(&key) {
+            return id;
+        }
+        let p = Params::new(self.source, &definition);
+        let id = match self.medium(&p) {
+            Ok(medium) => self.media.push(medium),
+            Err(message) => {
+                self.source
+                    .fault(p.at(), message, "nothing takes its place");
+                VACUUM
+            }
+        };
+        self.medium_of.insert(key, id);
+        id
+    }
+
+    fn medium(&mut self, p: &Params<'_, 's>) -> Result<Medium, String> {
+        let kind = p.text("type").ok_or("a medium needs a \"type\"")?;
+        let extinction = match kind {
+            "homogeneous" => {
+                let (sigma_a, sigma_s) = self.coefficients(p)?;
+                let scale = p.float_in("scale", 1.0, 0.0..=1e30) as f32;
+                homogeneous(sigma_a * scale, sigma_s * scale).into()
+            }
+            "uniformgrid" => self.uniform_grid(p)?,
+            "rgbgrid" => self.rgb_grid(p)?,
+            other => {
+                return Err(format!(
+                    "the medium \"{other}\" is not read: {} are",
+                    MEDIA.join(", ")
+                ));
+            }
+        };
+        self.left_out(
+            p,
+            &[
+                "Le",
+                "Lescale",
+                "temperature",
+                "temperaturescale",
+                "temperatureoffset",
+                "temperaturecutoff",
+            ],
+            "media do not glow here",
+        );
+        let g = p.float_in("g", 0.0, -1.0..=1.0) as f32;
+        self.done(p);
+        Ok(Medium {
+            name: p.definition.plugin.name.clone(),
+            extinction,
+            phase: PhaseLobe::henyey_greenstein(g).into(),
+        })
+    }
+
+    /// Absorption and scattering: of a substance by name, or as they are given.
+    fn coefficients(&mut self, p: &Params<'_, 's>) -> Result<(Rgb, Rgb), String> {
+        if let Some(name) = p.text("preset").filter(|name| !name.is_empty()) {
+            return presets::coefficients(name)
+                .ok_or_else(|| format!("there are no coefficients of \"{name}\""));
+        }
+        let mut one = |name| {
+            let given = self.texture_given(p, name, Role::Unbounded);
+            given.map_or(Rgb::ONE, |t| t.mean())
+        };
+        Ok((one("sigma_a"), one("sigma_s")))
+    }
+
+    /// Voxels between the corners `p0` and `p1`.
+    fn resolution(&self, p: &Params<'_, 's>) -> Result<([u32; 3], DAffine3), String> {
+        let resolution = ["nx", "ny", "nz"].map(|name| p.count(name, 1));
+        let from = p.triple("p0", DVec3::ZERO);
+        let size = p.triple("p1", DVec3::ONE) - from;
+        let local = DAffine3::from_translation(from) * DAffine3::from_scale(size);
+        let to_world = p
+            .definition
+            .affine()
+            .ok_or("its transform is no affine map")?;
+        Ok((resolution, self.place(to_world * local, None)))
+    }
+
+    fn grid(&self, p: &Params<'_, 's>, channels: u32, values: Vec<f32>) -> Result<Grid, String> {
+        let (resolution, to_world) = self.resolution(p)?;
+        let place = graphics::single(to_world);
+        Grid::new(
+            resolution,
+            channels,
+            Arc::new(values),
+            place,
+            Lookup::default(),
+        )
+        .map_err(|why| why.to_string())
+    }
+
+    /// One density for each voxel, times coefficients.
+    fn uniform_grid(&mut self, p: &Params<'_, 's>) -> Result<Extinction, String> {
+        let density = p
+            .floats("density", &[Kind::Float])
+            .ok_or("a uniformgrid needs a \"density\"")?;
+        let (sigma_a, sigma_s) = self.coefficients(p)?;
+        let scale = p.float_in("scale", 1.0, 0.0..=1e30) as f32;
+        let medium = homogeneous(sigma_a, sigma_s);
+        let Rgb { x, y, z } = medium.extinction;
+        let grey = x == y && y == z;
+        let (channels, values) = match grey {
+            true => (1, density.iter().map(|d| d * x).collect()),
+            false => (
+                3,
+                density.iter().flat_map(|d| [d * x, d * y, d * z]).collect(),
+            ),
+        };
+        let grid = self.grid(p, channels, values)?;
+        let made = Heterogeneous::new(grid, scale, Albedo::Constant(medium.albedo));
+        made.map(Extinction::from).map_err(|why| why.to_string())
+    }
+
+    /// Coefficients for each voxel, as colours.
+    fn rgb_grid(&mut self, p: &Params<'_, 's>) -> Result<Extinction, String> {
+        let given = ["sigma_a", "sigma_s"].map(|name| p.floats(name, &[Kind::Rgb]));
+        let count = match given {
+            [None, None] => return Err("an rgbgrid needs \"sigma_a\" or \"sigma_s\"".into()),
+            [a, s] => a.map_or(0, <[f32]>::len).max(s.map_or(0, <[f32]>::len)),
+        };
+        let space = p.definition.color_space;
+        let list = |given: Option<&[f32]>| -> Vec<f32> {
+            let Some(list) = given else {
+                return vec![1.0; count];
+            };
+            let colors = list.chunks_exact(3);
+            let linear =
+                colors.flat_map(|c| space.factor(Rgb::from_slice(c)).max(Rgb::ZERO).to_array());
+            linear.collect()
+        };
+        let [absorbed, scattered] = given.map(list);
+        if absorbed.len() != scattered.len() {
+            return Err("\"sigma_a\" and \"sigma_s\" are of different sizes".into());
+        }
+        let sum: Vec<f32> = absorbed
+            .iter()
+            .zip(&scattered)
+            .map(|(a, s)| a + s)
+            .collect();
+        let share = |(sum, s): (&f32, &f32)| if *sum > 0.0 { (s / sum).min(1.0) } else { 0.0 };
+        let albedo = sum.iter().zip(&scattered).map(share).collect();
+        let scale = p.float_in("scale", 1.0, 0.0..=1e30) as f32;
+        let density = self.grid(p, 3, sum)?;
+        let albedo = self.grid(p, 3, albedo)?;
+        let made = Heterogeneous::new(density, scale, Albedo::Grid(albedo));
+        made.map(Extinction::from).map_err(|why| why.to_string())
+    }
+}
