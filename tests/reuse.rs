@@ -267,7 +267,7 @@ fn sharing_gives_the_mean_of_not_sharing_in_media() {
         albedo: Rgb::new(0.95, 0.8, 0.9),
     };
     let room = room_in(Some((mist.into(), PhaseFunction::isotropic())));
-    agree("mist", &room, [Some(&learned(&room)); 2], 768, path);
+    agree("mist", &room, [Some(&learned(&room)); 2], 320, path);
 
     // From clear to dense, from end to end.
     let voxels = [0.0, 0.1, 0.4, 0.8, 0.2, 0.5, 0.1, 0.2];
@@ -284,7 +284,7 @@ fn sharing_gives_the_mean_of_not_sharing_in_media() {
     let smoke = Heterogeneous::new(density.unwrap(), 1.0, albedo).unwrap();
     let phase = PhaseLobe::henyey_greenstein(0.5).into();
     let room = room_in(Some((smoke.into(), phase)));
-    agree("smoke", &room, [Some(&learned(&room)); 2], 768, path);
+    agree("smoke", &room, [Some(&learned(&room)); 2], 320, path);
 }
 
 /// Squared error of pixels against the mean of many renders, and what the pixels' own variances

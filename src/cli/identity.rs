@@ -231,10 +231,10 @@ mod tests {
         assert!(told.is_subset(&options), "{told:?}");
         // All that is left out: a new option is told, unless it is put here, too.
         let left_out: Vec<_> = options.difference(&told).map(String::as_str).collect();
-        let expected = "accel aov aperture camera checkpoint compression define denoise envmap exposure field \
+        let expected = "accel aov aperture at camera checkpoint compression define denoise envmap exposure field \
                         focus format fov frames ground lenient light-bounces light-groups limit-decoded look-at \
                         material noise oidn output pixel preview projection quality reference resume shard sky \
-                        spp stats strict time up view";
+                        spp stats strict time up variant view";
         assert_eq!(left_out.join(" "), expected);
     }
 }

@@ -10,7 +10,7 @@ use crate::scene::import::ImportError;
 use crate::texture::Texture;
 
 impl<'a> Importer<'a> {
-    /// The materials from `mask` to `roughcoating`.
+    /// The materials from `mask` to `clearcoat`.
     pub fn nested_material(&mut self, p: &Params<'a>) -> Result<Material, ImportError> {
         match p.plugin() {
             "mask" => Ok(Material::Mask {
@@ -23,6 +23,12 @@ impl<'a> Importer<'a> {
             "blendbsdf" => self.blend(p),
             "mixturebsdf" => self.mixture(p),
             "coating" | "roughcoating" => self.coating(p),
+            // glTF's varnish, which Mitsuba has not.
+            "clearcoat" => Ok(Material::ClearCoat {
+                weight: self.texture(p, "weight", 1.0, Role::Reflectance),
+                roughness: self.texture(p, "roughness", 0.0, Role::Reflectance),
+                inner: self.inner(p)?,
+            }),
             other => Err(p.error(format!("bsdf \"{other}\" is not supported"))),
         }
     }

@@ -112,6 +112,7 @@ fn every_material_is_read() {
         ("twosided", diffuse.repeat(2)),
         ("coating", diffuse.to_owned()),
         ("roughcoating", diffuse.to_owned()),
+        ("clearcoat", diffuse.to_owned()),
         ("bumpmap", format!("{diffuse}{texture}")),
         ("normalmap", format!("{texture}{diffuse}")),
         (
