@@ -129,9 +129,13 @@ impl Wave {
         gives_up: &dyn Fn(u32) -> bool,
     ) -> Option<Outcomes<'_>> {
         let before = self.rays_traced;
+        let media = &context.scene.media;
         let most = match context.guide {
-            // Each connection would have to be followed through them, which costs what it gains.
-            Some(_) if !context.scene.media.has_index_matched => context.settings.guided.reuse,
+            // Through index-matched surfaces each connection would have to be followed, which costs
+            // what it gains; where media scatter, blocks lose (EXPERIMENTS.md).
+            Some(_) if !media.has_index_matched && !media.scatter() => {
+                context.settings.guided.reuse
+            }
             _ => 1,
         };
         let mut pool = PrefixPool::new(most, self.radiances.len());
