@@ -9,7 +9,7 @@ use super::transmittance::RoughTransmittance;
 use super::{Bsdf, Form};
 use crate::math::Vec3;
 
-/// How the radiance that leaves a surface, or a collision, depends on where it goes to: by a factor that is known,
+/// How the radiance that leaves a surface depends on where it goes to: by a factor that is known,
 /// whatever falls on it.
 #[derive(Clone, Copy, Debug)]
 pub struct View {
@@ -49,15 +49,10 @@ impl Bsdf {
         let normal = self.frame.n;
         match &self.form {
             Form::Diffuse(_) => Some(View { normal, coat: None }),
-            Form::Tree(tree) => match tree.collision() {
-                Some(collision) => collision
-                    .is_isotropic()
-                    .then_some(View { normal, coat: None }),
-                None => {
-                    let coat = Some(tree.rough_plastic()?.view()?);
-                    Some(View { normal, coat })
-                }
-            },
+            Form::Tree(tree) => {
+                let coat = Some(tree.rough_plastic()?.view()?);
+                Some(View { normal, coat })
+            }
         }
     }
 }

@@ -96,15 +96,6 @@ impl Tree {
         }
     }
 
-    /// If it is a collision, that.
-    #[inline]
-    pub fn collision(&self) -> Option<&Collision> {
-        match self.nodes.as_slice() {
-            [Node::Collision(collision)] => Some(collision),
-            _ => None,
-        }
-    }
-
     /// Whether a bump or normal map is anywhere inside.
     #[inline]
     pub fn turns_normal(&self) -> bool {

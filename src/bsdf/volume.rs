@@ -43,11 +43,6 @@ impl Collision {
         }
     }
 
-    /// Whether it scatters to all directions alike.
-    pub fn is_isotropic(&self) -> bool {
-        self.phase.is_isotropic()
-    }
-
     /// Share of the light that is scattered.
     pub fn albedo(&self) -> Rgb {
         self.albedo

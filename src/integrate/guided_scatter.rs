@@ -108,8 +108,7 @@ fn scatter<'s>(
         rays,
     } = output;
     let weight = choose_layer(context, bsdf, wo, path);
-    let from = (wo, media);
-    if pool.arrive(path, point, bsdf, from, split_paths) == Admission::Shares {
+    if pool.arrive(path, point, bsdf, wo, split_paths) == Admission::Shares {
         radiance = Rgb::ZERO;
     }
     // What is shared is what this choice found: it counts after the accumulator was made.

@@ -1,7 +1,7 @@
 //! How a medium takes light out of a ray: the same everywhere, or by place.
 
 use super::grids::Heterogeneous;
-use super::{ChannelWeights, Flight, Homogeneous, Passage, Segment};
+use super::{ChannelWeights, Flight, Homogeneous, Segment};
 use crate::math::{Rgb, Vec3};
 use std::sync::Arc;
 
@@ -28,21 +28,12 @@ impl Extinction {
         match self {
             Self::Homogeneous(medium) => medium.sample(segment, weights, u),
             Self::Heterogeneous(medium) if medium.absorbs_alone() => Flight {
-                factor: medium.transmittance(origin, direction, length, u),
+                factor: medium.exact_transmittance(origin, direction, length),
                 collision: None,
             },
             Self::Heterogeneous(medium) => {
                 medium.sample(origin, direction, length, &mut weights.0, u)
             }
-        }
-    }
-
-    /// The segment, or a collision at its end, as [`Extinction::sample`] draws it; exact. `None` on
-    /// grids in colour: what happens to their channels depends on the null collisions in the way.
-    pub fn passage(&self, segment: &Segment, collides: bool) -> Option<Passage> {
-        match self {
-            Self::Homogeneous(medium) => Some(medium.passage(segment.length, collides)),
-            Self::Heterogeneous(medium) => medium.passage(segment, collides),
         }
     }
 
@@ -53,6 +44,16 @@ impl Extinction {
         match self {
             Self::Homogeneous(medium) => medium.transmittance(length),
             Self::Heterogeneous(medium) => medium.transmittance(origin, direction, length, u),
+        }
+    }
+
+    /// The same without noise, which on grids takes as many steps as there are voxels in the way.
+    #[inline]
+    pub fn exact_transmittance(&self, segment: &Segment) -> Rgb {
+        let (origin, direction, length) = segment.parts();
+        match self {
+            Self::Homogeneous(medium) => medium.transmittance(length),
+            Self::Heterogeneous(medium) => medium.exact_transmittance(origin, direction, length),
         }
     }
 

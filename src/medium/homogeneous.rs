@@ -1,6 +1,6 @@
 //! A medium that is the same everywhere.
 
-use super::{ChannelWeights, Flight, Passage, Segment};
+use super::{ChannelWeights, Flight, Segment};
 use crate::math::Rgb;
 
 /// Extinction that is the same everywhere.
@@ -55,26 +55,17 @@ impl Homogeneous {
         let distance = -(-u()).ln_1p() / self.extinction[channel];
         // A channel without extinction gives infinity, or no number: both come through.
         let collides = distance < segment.length;
-        let passage = self.passage(distance.min(segment.length), collides);
-        Flight {
-            factor: weights.update(passage.value, passage.density),
-            collision: collides.then_some(distance),
+        if !collides {
+            let passed = self.transmittance(segment.length);
+            return Flight {
+                factor: weights.update(passed, passed),
+                collision: None,
+            };
         }
-    }
-
-    /// A distance that is passed, or at whose end light collides, as [`Homogeneous::sample`] draws
-    /// it.
-    #[inline]
-    pub fn passage(&self, distance: f32, collides: bool) -> Passage {
-        let passed = self.transmittance(distance);
-        let (value, density) = match collides {
-            true => {
-                let density = self.extinction * passed;
-                (density * self.albedo, density)
-            }
-            false if self.albedo == Rgb::ZERO => (passed, Rgb::ONE),
-            false => (passed, passed),
-        };
-        Passage { value, density }
+        let density = self.extinction * self.transmittance(distance);
+        Flight {
+            factor: weights.update(density * self.albedo, density),
+            collision: Some(distance),
+        }
     }
 }

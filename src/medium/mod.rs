@@ -133,15 +133,6 @@ pub struct Flight {
     pub collision: Option<f32>,
 }
 
-/// A segment that is given, as [`Extinction::sample`] could have drawn it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Passage {
-    /// What comes along it: transmittance, and at a collision the scattering coefficient.
-    pub value: Rgb,
-    /// How likely each channel's sampling makes it: a probability, per unit length at a collision.
-    pub density: Rgb,
-}
-
 /// How likely each channel's sampling would have been to make a path: relative, of mean 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChannelWeights(Rgb);
@@ -166,12 +157,6 @@ impl ChannelWeights {
             _ if self.0.y > 0.0 => 1,
             _ => 0,
         }
-    }
-
-    /// How likely the path is to go on with what channel c samples with density `density[c]`.
-    #[inline]
-    pub fn density(&self, density: Rgb) -> f32 {
-        (self.0 * density).element_sum() * (1.0 / 3.0)
     }
 
     /// Something happened that channel c samples with density `density[c]` and that contributes

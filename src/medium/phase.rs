@@ -134,12 +134,6 @@ impl PhaseFunction {
         Frame::new(before).to_world(Vec3::new(sine * c, sine * s, cosine))
     }
 
-    /// Whether it is the same to all directions.
-    pub fn is_isotropic(&self) -> bool {
-        self.lobes()
-            .all(|(_, lobe)| lobe == PhaseLobe::HenyeyGreenstein(0.0))
-    }
-
     /// How wide its narrowest lobe is, as a roughness: 1 for all directions alike.
     #[inline]
     pub fn roughness(&self) -> f32 {

@@ -3,7 +3,7 @@
 use super::Scene;
 use crate::accel::{Hit, Ray};
 use crate::math::{Rgb, Vec3};
-use crate::medium::{Boundary, ChannelWeights, MediumId, Passage, Segment};
+use crate::medium::{Boundary, ChannelWeights, MediumId, Segment};
 
 /// The medium that a path is in, and what it has made of the channels.
 #[derive(Clone, Copy, Debug)]
@@ -38,27 +38,6 @@ impl PathMedium {
     /// On or in a medium without a boundary.
     pub fn stay(&mut self, medium: MediumId) {
         self.around = Self::inside(medium).around;
-    }
-
-    /// A straight way that no boundary crosses, to a surface or to a collision in the medium
-    /// `collides`: what comes along it, and how likely a path makes it that takes its direction from
-    /// here. `None` where it would not, or that is not known (see
-    /// [`Extinction::passage`](crate::medium::Extinction::passage)).
-    pub fn connect(
-        &self,
-        scene: &Scene,
-        segment: &Segment,
-        collides: Option<MediumId>,
-    ) -> Option<(Rgb, f32)> {
-        let id = self.medium(segment.direction);
-        if collides.is_some_and(|medium| medium != id) {
-            return None;
-        }
-        let Some(medium) = scene.media.list().get(id) else {
-            return Some((Rgb::ONE, 1.0));
-        };
-        let Passage { value, density } = medium.extinction.passage(segment, collides.is_some())?;
-        Some((value, self.weights.density(density)))
     }
 
     /// What comes through along a ray to what it has met. Exact where the medium is homogeneous.

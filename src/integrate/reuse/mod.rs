@@ -21,9 +21,8 @@
 //! exceeds that of ordinary path tracing. What a mask lets through by chance comes out right on
 //! average: both places see the same chance.
 //!
-//! In a medium all of that is for a given direction: the throughput has the transmittance to `y`
-//! besides, and the density the chance to come so far, or to collide there. A collision has no
-//! cosine.
+//! In media that only absorb, the throughput has the transmittance to `y` besides. Nothing is shared
+//! where media scatter or surfaces are index-matched (`EXPERIMENTS.md` of the path tracer says why).
 //!
 //! What is shared and what is not:
 //! - A prefix's direction is drawn once and goes on for certain: where roulette, splitting or the
@@ -31,8 +30,6 @@
 //! - The vertex behind is diffuse, or the base of rough plastic: its radiance is the same towards
 //!   all prefixes, or differs by a known factor ([`crate::bsdf::View`]). What it emits is for its
 //!   own path alone, weighed against that path's light sample.
-//! - A collision's phase function is isotropic. Nothing is shared in scenes with index-matched
-//!   surfaces, nor through a grid of colours ([`crate::medium::Extinction::passage`]).
 //! - Paths whose throughput there is nearly of one colour share nothing (`LEAST_CHANNEL` in
 //!   `reuse/prefix.rs`).
 //! - A group has one sample of each of its pixels: the samples of a pixel stay independent of each

@@ -2,7 +2,7 @@
 
 use super::prefix::{PathPrefix, Suffix};
 use super::reconnection::Reconnector;
-use crate::bsdf::{Bsdf, LobeFlags};
+use crate::bsdf::Bsdf;
 use crate::integrate::camera_sample::Origin;
 use crate::integrate::context::PathContext;
 use crate::integrate::guided_path::{GuidedPath, PrefixState};
@@ -11,7 +11,6 @@ use crate::integrate::splitting::SplitPaths;
 use crate::integrate::vertex::Vertex;
 use crate::math::rng::hash_all;
 use crate::math::{Rgb, Vec3};
-use crate::scene::path_medium::PathMedium;
 use crate::texture::SurfacePoint;
 
 /// What the paths of a wave have to share.
@@ -63,15 +62,15 @@ impl<'s> PrefixPool<'s> {
         Some(self.prefixes.len() as u32 - 1)
     }
 
-    /// A path arrives at a vertex from `wo`; `media` are around it, in scenes that have any. If what
-    /// is found there can be shared, it gets an accumulator of its own.
+    /// A path arrives at a vertex. If what is found there can be shared, it gets an accumulator of
+    /// its own.
     #[inline]
     pub fn arrive(
         &mut self,
         path: &mut GuidedPath,
         point: &SurfacePoint,
         bsdf: &Bsdf,
-        (wo, media): (Vec3, Option<&PathMedium>),
+        wo: Vec3,
         split_paths: &mut SplitPaths,
     ) -> Admission {
         let PrefixState::EndsHere(prefix) = path.prefix else {
@@ -85,9 +84,7 @@ impl<'s> PrefixPool<'s> {
             return Admission::Alone;
         };
         path.base.accumulator = split_paths.open(path.base.accumulator);
-        let collides = bsdf.flags().has(LobeFlags::VOLUME);
-        let medium = media.filter(|_| collides).map(|media| media.medium(wo));
-        let suffix = Suffix::new(point, (wo, medium), &path.base, view);
+        let suffix = Suffix::new(point, wo, &path.base, view);
         self.prefixes[prefix as usize].suffix = Some(suffix);
         Admission::Shares
     }

@@ -5,7 +5,7 @@ use crate::integrate::guided_vertex::GuidedVertex;
 use crate::integrate::path::Path;
 use crate::integrate::vertex::Vertex;
 use crate::math::{Rgb, Vec3};
-use crate::medium::{MediumId, Segment};
+use crate::medium::Segment;
 use crate::scene::Scene;
 use crate::scene::path_medium::PathMedium;
 use crate::texture::SurfacePoint;
@@ -46,7 +46,7 @@ pub(super) struct PathPrefix<'s> {
     pub bsdf: Bsdf,
     pub guided: GuidedVertex<'s>,
     /// The media around it, in scenes that have any.
-    pub media: Option<PathMedium>,
+    media: Option<PathMedium>,
     /// What comes behind, if that is shared.
     pub suffix: Option<Suffix>,
 }
@@ -72,24 +72,18 @@ impl<'s> PathPrefix<'s> {
         })
     }
 
-    /// What comes along the straight way to a suffix, and how likely a path goes it whose direction
-    /// is given: see [`PathMedium::connect`]; 1 and 1 where there are no media.
+    /// What comes along the way to a place that it sees; exact.
     #[inline]
-    pub fn connect(
-        &self,
-        scene: &Scene,
-        suffix: &Suffix,
-        (direction, length): (Vec3, f32),
-    ) -> Option<(Rgb, f32)> {
-        let Some(media) = &self.media else {
-            return Some((Rgb::ONE, 1.0));
-        };
-        let segment = Segment {
-            origin: self.position,
-            direction,
-            length,
-        };
-        media.connect(scene, &segment, suffix.medium)
+    pub fn transmittance(&self, scene: &Scene, direction: Vec3, length: f32) -> Rgb {
+        let around = self.media.as_ref().map(|media| media.medium(direction));
+        let medium = around.and_then(|id| scene.media.list().get(id));
+        medium.map_or(Rgb::ONE, |medium| {
+            medium.extinction.exact_transmittance(&Segment {
+                origin: self.position,
+                direction,
+                length,
+            })
+        })
     }
 }
 
@@ -97,10 +91,8 @@ impl<'s> PathPrefix<'s> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Suffix {
     pub position: Vec3,
-    /// The geometric and the shading normal, of a surface.
-    normals: [Vec3; 2],
-    /// The medium, of a collision.
-    pub medium: Option<MediumId>,
+    /// The geometric and the shading normal.
+    pub normals: [Vec3; 2],
     /// Towards its own prefix.
     wo: Vec3,
     view: View,
@@ -119,16 +111,10 @@ impl Suffix {
 
     /// What it shares, once it has an accumulator for that.
     #[inline]
-    pub fn new(
-        point: &SurfacePoint,
-        (wo, medium): (Vec3, Option<MediumId>),
-        path: &Path,
-        view: View,
-    ) -> Self {
+    pub fn new(point: &SurfacePoint, wo: Vec3, path: &Path, view: View) -> Self {
         Self {
             position: point.p,
             normals: point.normals(),
-            medium,
             wo,
             view,
             accumulator: path.accumulator,
@@ -146,17 +132,6 @@ impl Suffix {
     /// look otherwise.
     #[inline]
     pub fn faces(&self, w: Vec3) -> bool {
-        let faces = |n: &Vec3| n.dot(w) * n.dot(self.wo) > 0.0;
-        self.medium.is_some() || self.normals.iter().all(faces)
-    }
-
-    /// The solid angle that a unit of area there takes along `w` at distance 1; of a collision, a
-    /// unit of volume for each unit of length.
-    #[inline]
-    pub fn cosine(&self, w: Vec3) -> f32 {
-        match self.medium {
-            Some(_) => 1.0,
-            None => self.normals[0].dot(w).abs(),
-        }
+        self.normals.iter().all(|n| n.dot(w) * n.dot(self.wo) > 0.0)
     }
 }

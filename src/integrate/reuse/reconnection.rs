@@ -26,8 +26,8 @@ pub(super) struct Contribution {
 struct Reconnection {
     /// The prefix that did, and this one.
     prefixes: [u32; 2],
-    /// What the prefix came with, times BSDF and cosine, relative to how the suffix's own prefix
-    /// sees its vertex.
+    /// What the prefix came with, times BSDF, cosine and transmittance, relative to how the suffix's
+    /// own prefix sees its vertex.
     throughput: Rgb,
     /// Solid angle that a unit of area at the vertex takes.
     area: f64,
@@ -114,19 +114,16 @@ impl<'e, 's> Reconnector<'e, 's> {
         if f == Rgb::ZERO {
             return;
         }
-        let scene = self.context.scene;
-        let Some((passed, chance)) = prefix.connect(scene, suffix, (wi, distance)) else {
-            return;
-        };
+        let passed = prefix.transmittance(self.context.scene, wi, distance);
         let throughput = prefix.throughput * f * passed;
-        let pdf = prefix.guided.pdf(wi, bsdf_pdf) * chance;
+        let pdf = prefix.guided.pdf(wi, bsdf_pdf);
         let [own_view, view] = suffix.views(-wi);
         // The rule that decided about the suffix.
         if !is_shareable(throughput / pdf, view) {
             return;
         }
         let distance = f64::from(distance);
-        let area = f64::from(suffix.cosine(wi)) / (distance * distance);
+        let area = f64::from(suffix.normals[0].dot(wi).abs()) / (distance * distance);
         let link = Reconnection {
             prefixes,
             throughput: throughput * (view / own_view),

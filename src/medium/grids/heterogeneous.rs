@@ -10,7 +10,7 @@ use super::majorant::Majorants;
 use super::tracking::Tracking;
 use super::walk::Span;
 use crate::math::{DVec3, Rgb, Vec3};
-use crate::medium::{Flight, Passage, Segment};
+use crate::medium::Flight;
 
 /// Albedos up to this are taken for 1: quotients of `f32` end a little above.
 const MAX_ALBEDO: f32 = 1.001;
@@ -153,7 +153,7 @@ impl Heterogeneous {
         u: &mut impl FnMut() -> f32,
     ) -> Rgb {
         if self.absorbs_alone {
-            return (-self.optical_depth(org, dir, distance)).exp();
+            return self.exact_transmittance(org, dir, distance);
         }
         let span = Span::new(self.density.to_grid(), org, dir, distance);
         let left = span.map_or(DVec3::ONE, |span| self.tracking(&span).transmittance(u));
@@ -169,23 +169,9 @@ impl Heterogeneous {
         depth.as_vec3()
     }
 
-    /// The segment, or a collision at its end: see
-    /// [`Extinction::passage`](crate::medium::Extinction::passage).
-    pub fn passage(&self, segment: &Segment, collides: bool) -> Option<Passage> {
-        let (origin, direction, length) = segment.parts();
-        let passed = (-self.optical_depth(origin, direction, length)).exp();
-        let (value, density) = match (self.absorbs_alone, collides) {
-            (true, true) => return None,
-            (true, false) => (passed, Rgb::ONE),
-            _ if self.density.channels() > 1 => return None,
-            (false, false) => (passed, passed),
-            (false, true) => {
-                let end = origin + direction * length;
-                let density = passed * self.sigma_t(end);
-                (density * self.albedo(end), density)
-            }
-        };
-        Some(Passage { value, density })
+    /// The transmittance that [`Self::optical_depth`] leaves.
+    pub fn exact_transmittance(&self, org: Vec3, dir: Vec3, distance: f32) -> Rgb {
+        (-self.optical_depth(org, dir, distance)).exp()
     }
 
     fn tracking<'a>(&'a self, span: &'a Span) -> Tracking<'a> {
