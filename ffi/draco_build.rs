@@ -4,7 +4,12 @@ use crate::cpp;
 
 /// Called by build.rs.
 pub fn configure() {
-    for file in ["draco_build.rs", "draco_shim.h", "draco_shim.cpp"] {
+    for file in [
+        "draco_build.rs",
+        "draco_shim.h",
+        "draco_shim.cpp",
+        "guard.h",
+    ] {
         println!("cargo::rerun-if-changed=ffi/{file}");
     }
     let library = cpp::probe(&mut pkg_config::Config::new(), "draco")

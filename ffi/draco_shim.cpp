@@ -1,4 +1,6 @@
+#define SHIM_LIBRARY "Draco"
 #include "draco_shim.h"
+#include "guard.h"
 
 #include <draco/compression/decode.h>
 
@@ -15,29 +17,8 @@ struct TwtDraco {
 
 namespace {
 
-int fail(char* error, size_t len, const std::string& why)
-{
-    if (error && len) {
-        const size_t n = std::min(len - 1, why.size());
-        std::memcpy(error, why.data(), n);
-        error[n] = 0;
-    }
-    return 1;
-}
-
-// Runs `body` and turns whatever it throws into a message.
-template<class F> int guarded(char* error, size_t len, F body)
-{
-    try {
-        return body();
-    } catch (const std::bad_alloc&) {
-        return fail(error, len, "out of memory");
-    } catch (const std::exception& e) {
-        return fail(error, len, e.what());
-    } catch (...) {
-        return fail(error, len, "an unknown error inside Draco");
-    }
-}
+using shim::fail;
+using shim::guarded;
 
 // Values of an attribute, converted to T, in the order of the points. False if one cannot be converted, or
 // lies beyond the attribute's own values.

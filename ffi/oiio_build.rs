@@ -14,7 +14,7 @@ const SOURCES: [&str; 3] = [
 /// Called by build.rs: finds OpenImageIO by pkg-config, and compiles and links the shim. The program gets
 /// the shim's path and OpenImageIO's version in `TWINTREE_OIIO_SHIM` and `TWINTREE_OIIO_VERSION`.
 pub fn configure() {
-    for file in ["oiio_build.rs", "oiio_shim.h", "oiio_guard.h"] {
+    for file in ["oiio_build.rs", "oiio_shim.h", "oiio_guard.h", "guard.h"] {
         println!("cargo::rerun-if-changed=ffi/{file}");
     }
     for file in SOURCES {
