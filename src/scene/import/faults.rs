@@ -4,10 +4,11 @@
 //! was wrong is one error; with [`lenient`](crate::scene::import::ImportOptions::lenient), a
 //! warning each that says what took its place.
 
-use super::ImportError;
+use super::{ImportError, Location};
 use std::cell::RefCell;
 use std::collections::HashSet;
 use std::fmt::Write as _;
+use std::path::PathBuf;
 
 /// A place in one of the files of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -18,6 +19,17 @@ pub(super) struct At {
     pub line: u32,
     /// Column in characters, from 1.
     pub column: u32,
+}
+
+impl At {
+    /// The same with the name of its file among `files`.
+    pub fn among(self, files: &[PathBuf]) -> Location {
+        Location {
+            file: files.get(self.file).cloned().unwrap_or_default(),
+            line: self.line,
+            column: self.column,
+        }
+    }
 }
 
 /// Errors that are listed; the others are counted.

@@ -1,6 +1,6 @@
 //! Reading scenes and meshes, one file a format.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 pub mod default_scene;
 mod encoding;
@@ -53,6 +53,38 @@ pub struct ImportError {
     pub message: String,
     /// What to do about it.
     pub help: Option<String>,
+}
+
+impl ImportError {
+    /// A mesh is not there that a scene names.
+    fn no_mesh(path: &Path) -> Self {
+        let (name, hint) = (path.display(), named::hint_of(path));
+        Self {
+            at: None,
+            file: None,
+            message: format!("there is no mesh {name}{hint}"),
+            help: Some("restore the file, or go on without it with --lenient".into()),
+        }
+    }
+
+    /// The same error, of a mesh that a scene asks for at `place`.
+    fn asked_for_at(self, place: Location) -> Self {
+        if (&self.at, &self.file) == (&None, &None) {
+            return Self {
+                at: Some(place),
+                ..self
+            };
+        }
+        let asked = format!("the mesh is asked for at {place}");
+        let help = match self.help {
+            Some(help) => format!("{help}\n  {asked}"),
+            None => asked,
+        };
+        Self {
+            help: Some(help),
+            ..self
+        }
+    }
 }
 
 impl std::fmt::Display for ImportError {

@@ -5,7 +5,9 @@
 //! the world moved towards the origin in `f64`, before any rounding. Light does not notice. What
 //! still has not got enough digits (a cup in a landscape) is a warning.
 
+use super::faults::Faults;
 use super::parts::{bounds_of, shape_bounds};
+use super::{ImportError, ImportOptions};
 use crate::accel::{Bounds, LARGEST};
 use crate::math::{DAffine3, DVec3};
 use crate::scene::{Description, Shape};
@@ -16,7 +18,7 @@ const FAR: f32 = 32.0;
 
 /// What is so far away that its size was lost in rounding is first moved near, and then to its
 /// place.
-pub(super) const MOST_MOVES: u32 = 3;
+const MOST_MOVES: u32 = 3;
 
 /// Shapes with fewer roundings of a position than this across are warned of: their silhouettes
 /// would be visibly jagged.
@@ -27,7 +29,7 @@ const STEPS: f32 = 1024.0;
 /// that differ by a multiple of the grid are moved to the same place. A scene that was `moved`
 /// already, by bounds that rounding had spoiled, is moved on until its middle is within half a
 /// grid.
-pub(super) fn far_origin(description: &Description, moved: bool) -> Option<DVec3> {
+fn far_origin(description: &Description, moved: bool) -> Option<DVec3> {
     let bounds = bounds_of(&description.shapes, &description.instances);
     let (center, radius) = (bounds.center(), bounds.radius());
     let distance = center.abs().max_element();
@@ -39,6 +41,32 @@ pub(super) fn far_origin(description: &Description, moved: bool) -> Option<DVec3
     let grid = f64::from(radius).log2().ceil().exp2();
     let step = (center.as_dvec3() / grid).round() * grid;
     (step != DVec3::ZERO).then_some(step)
+}
+
+/// Imports a scene by `from`, which is given the point of the scene's coordinates that becomes the
+/// origin: the scene's own, and where the scene is far from that, a nearer one. What is wrong is
+/// noted in `faults`.
+pub(super) fn import_near(
+    faults: &Faults,
+    options: &ImportOptions,
+    mut from: impl FnMut(DVec3) -> Result<Description, ImportError>,
+) -> Result<Description, ImportError> {
+    let unread = faults.len();
+    let mut description = from(DVec3::ZERO)?;
+    if let Some(error) = faults.error().filter(|_| !options.lenient) {
+        return Err(error);
+    }
+    let mut place = DVec3::ZERO;
+    for _ in 0..MOST_MOVES {
+        let Some(step) = far_origin(&description, place != DVec3::ZERO) else {
+            break;
+        };
+        place += step;
+        faults.truncate(unread);
+        description = from(place)?;
+    }
+    description.warnings.extend(faults.warnings());
+    Ok(description)
 }
 
 /// A map into the world as seen from `origin`.

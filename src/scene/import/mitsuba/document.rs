@@ -59,11 +59,7 @@ pub(super) struct Document {
 impl Document {
     /// A place with its file's name.
     pub fn location(&self, at: At) -> Location {
-        Location {
-            file: self.files.get(at.file).cloned().unwrap_or_default(),
-            line: at.line,
-            column: at.column,
-        }
+        at.among(&self.files)
     }
 
     /// An error at a place.

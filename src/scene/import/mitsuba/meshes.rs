@@ -6,8 +6,8 @@
 use super::importer::Importer;
 use super::pending::{PendingGeometry, PendingShape, Request};
 use crate::light::Emitter;
+use crate::scene::import::ImportError;
 use crate::scene::import::mesh::Loaded;
-use crate::scene::import::{ImportError, named};
 use crate::scene::{Geometry, Mesh, Shape};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -32,7 +32,7 @@ pub(super) fn load_all(importer: &mut Importer, pending: Vec<PendingShape>) -> V
         .par_iter()
         .map(|r| match r.path.exists() {
             true => load(&r.path, r.kind, &r.options),
-            false => Err(missing(r)),
+            false => Err(ImportError::no_mesh(&r.path)),
         })
         .collect();
     let mut meshes: Vec<Option<Arc<Mesh>>> = Vec::with_capacity(unique.len());
@@ -51,20 +51,6 @@ pub(super) fn load_all(importer: &mut Importer, pending: Vec<PendingShape>) -> V
         (shape, geometry)
     });
     place(importer, geometries.collect())
-}
-
-/// The error of a file that is not there; its place is the shape's.
-fn missing(request: &Request) -> ImportError {
-    ImportError {
-        at: None,
-        file: None,
-        message: format!(
-            "there is no mesh {}{}",
-            request.path.display(),
-            named::hint_of(&request.path)
-        ),
-        help: Some("restore the file, or go on without it with --lenient".into()),
-    }
 }
 
 /// The mesh, its repairs as warnings; `None` for one that is bad, or has nothing that could be
@@ -90,23 +76,7 @@ fn accept(
             (!is_empty).then_some(loaded.mesh)
         }
         Err(error) => {
-            let error = match (&error.at, &error.file) {
-                (None, None) => ImportError {
-                    at: Some(place),
-                    ..error
-                },
-                _ => {
-                    let asked = format!("the mesh is asked for at {place}");
-                    let help = match error.help {
-                        Some(help) => format!("{help}\n  {asked}"),
-                        None => asked,
-                    };
-                    ImportError {
-                        help: Some(help),
-                        ..error
-                    }
-                }
-            };
+            let error = error.asked_for_at(place);
             let instead = "the shape is left out";
             importer.document.faults.add(request.at, error, instead);
             None

@@ -16,22 +16,9 @@ pub(super) fn import(
     options: &ImportOptions,
 ) -> Result<Description, ImportError> {
     let mut environments = Environments::new();
-    let unread = document.faults.len();
-    let mut description = import_from(document, options, DVec3::ZERO, &mut environments)?;
-    if let Some(error) = document.faults.error().filter(|_| !options.lenient) {
-        return Err(error);
-    }
-    let mut place = DVec3::ZERO;
-    for _ in 0..origin::MOST_MOVES {
-        let Some(step) = origin::far_origin(&description, place != DVec3::ZERO) else {
-            break;
-        };
-        place += step;
-        document.faults.truncate(unread);
-        description = import_from(document, options, place, &mut environments)?;
-    }
-    description.warnings.extend(document.faults.warnings());
-    Ok(description)
+    origin::import_near(&document.faults, options, |origin| {
+        import_from(document, options, origin, &mut environments)
+    })
 }
 
 /// Imports a document with the world's origin at the point `origin` of its coordinates.

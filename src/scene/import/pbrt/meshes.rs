@@ -9,7 +9,7 @@ use super::{inline, power};
 use crate::light::Emitter;
 use crate::scene::import::faults::At;
 use crate::scene::import::mesh::{Loaded, MeshKind};
-use crate::scene::import::{ImportError, ImportOptions, gzip, named};
+use crate::scene::import::{ImportError, ImportOptions, gzip};
 use crate::scene::{Geometry, Mesh, Shape};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -62,16 +62,7 @@ pub(super) fn make_all(importer: &mut Importer, pending: Vec<PendingShape>) -> V
 fn load(request: &Request, options: &ImportOptions) -> Result<Loaded, ImportError> {
     let path = &request.path;
     if !path.exists() {
-        return Err(ImportError {
-            at: None,
-            file: None,
-            message: format!(
-                "there is no mesh {}{}",
-                path.display(),
-                named::hint_of(path)
-            ),
-            help: Some("restore the file, or go on without it with --lenient".into()),
-        });
+        return Err(ImportError::no_mesh(path));
     }
     let kind = MeshKind::from_path(&gzip::unpacked_name(path)).unwrap_or(MeshKind::Ply);
     (options.load_mesh)(path, kind, &request.options)
@@ -89,24 +80,7 @@ fn accept(importer: &mut Importer, result: Result<Loaded, ImportError>, at: At) 
             seen.then_some(loaded.mesh)
         }
         Err(error) => {
-            let place = importer.source.location(at);
-            let error = match (&error.at, &error.file) {
-                (None, None) => ImportError {
-                    at: Some(place),
-                    ..error
-                },
-                _ => {
-                    let asked = format!("the mesh is asked for at {place}");
-                    let help = match error.help {
-                        Some(help) => format!("{help}\n  {asked}"),
-                        None => asked,
-                    };
-                    ImportError {
-                        help: Some(help),
-                        ..error
-                    }
-                }
-            };
+            let error = error.asked_for_at(importer.source.location(at));
             importer.source.fault_of(at, error, "the shape is left out");
             None
         }

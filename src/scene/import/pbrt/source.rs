@@ -151,11 +151,7 @@ impl Source {
 
     /// A place with its file's name.
     pub fn location(&self, at: At) -> Location {
-        Location {
-            file: self.files.get(at.file).cloned().unwrap_or_default(),
-            line: at.line,
-            column: at.column,
-        }
+        at.among(&self.files)
     }
 
     /// An error at a place.

@@ -33,22 +33,9 @@ pub(super) const OPTIONS: &[&str] = &[
 /// Imports a whole scene.
 pub(super) fn import(source: &Source, options: &ImportOptions) -> Result<Description, ImportError> {
     let environments = Environments::default();
-    let unread = source.faults.len();
-    let mut description = import_from(source, options, DVec3::ZERO, &environments)?;
-    if let Some(error) = source.faults.error().filter(|_| !options.lenient) {
-        return Err(error);
-    }
-    let mut place = DVec3::ZERO;
-    for _ in 0..origin::MOST_MOVES {
-        let Some(step) = origin::far_origin(&description, place != DVec3::ZERO) else {
-            break;
-        };
-        place += step;
-        source.faults.truncate(unread);
-        description = import_from(source, options, place, &environments)?;
-    }
-    description.warnings.extend(source.faults.warnings());
-    Ok(description)
+    origin::import_near(&source.faults, options, |origin| {
+        import_from(source, options, origin, &environments)
+    })
 }
 
 /// Imports a scene with the world's origin at the point `origin` of its coordinates.
