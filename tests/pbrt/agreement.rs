@@ -150,7 +150,8 @@ fn opaque_materials_agree() {
         "<bsdf type='roughplastic'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/>
          <string name='distribution' value='ggx'/><float name='alpha' value='.2'/><boolean name='nonlinear' value='true'/>
          <rgb name='diffuse_reflectance' value='.6 .3 .2'/></bsdf>",
-        "Material \"coateddiffuse\" \"rgb reflectance\" [.6 .3 .2] \"float roughness\" .04 \"float thickness\" 0",
+        "Material \"coateddiffuse\" \"rgb reflectance\" [.6 .3 .2] \"float roughness\" .04 \
+         \"float thickness\" 0",
     );
     ball(
         "coated conductor",
@@ -174,7 +175,8 @@ fn clear_materials_agree() {
     ball(
         "rough dielectric",
         &format!(
-            "<bsdf type='roughdielectric'>{iors}<string name='distribution' value='ggx'/><float name='alpha' value='.3'/></bsdf>"
+            "<bsdf type='roughdielectric'>{iors}<string name='distribution' value='ggx'/><float \
+             name='alpha' value='.3'/></bsdf>"
         ),
         "Material \"dielectric\" \"float roughness\" .09 \"float eta\" 1.5",
     );
@@ -188,7 +190,8 @@ fn clear_materials_agree() {
         "<bsdf type='blendbsdf'><float name='weight' value='.5'/>
          <bsdf type='twosided'><bsdf type='diffuse'><rgb name='reflectance' value='.6 .4 .2'/></bsdf></bsdf>
          <bsdf type='difftrans'><rgb name='transmittance' value='.2 .4 .6'/></bsdf></bsdf>",
-        "Material \"diffusetransmission\" \"rgb reflectance\" [.3 .2 .1] \"rgb transmittance\" [.1 .2 .3]",
+        "Material \"diffusetransmission\" \"rgb reflectance\" [.3 .2 .1] \"rgb transmittance\" \
+         [.1 .2 .3]",
     );
     ball(
         "mix",
@@ -202,7 +205,8 @@ fn clear_materials_agree() {
     );
     ball(
         "alpha",
-        "<bsdf type='mask'><float name='opacity' value='.4'/><bsdf type='twosided'><bsdf type='diffuse'/></bsdf></bsdf>",
+        "<bsdf type='mask'><float name='opacity' value='.4'/><bsdf type='twosided'><bsdf \
+         type='diffuse'/></bsdf></bsdf>",
         "Shape \"sphere\" \"float alpha\" .4 Translate 0 -100 0",
     );
 }
@@ -226,7 +230,8 @@ fn lights_agree() {
     lit("sky and point", SKY[0], SKY[1]);
     lit(
         "directional",
-        "<emitter type='directional'><vector name='direction' x='1' y='-2' z='-1'/><rgb name='irradiance' value='3 2 1'/></emitter>",
+        "<emitter type='directional'><vector name='direction' x='1' y='-2' z='-1'/><rgb \
+         name='irradiance' value='3 2 1'/></emitter>",
         "LightSource \"distant\" \"point3 from\" [0 0 0] \"point3 to\" [1 -2 -1] \"rgb L\" [3 2 1]",
     );
     // Without a falloff both are the same.
@@ -282,22 +287,27 @@ fn cameras_agree() {
     seen(
         "lens",
         &format!(
-            "<sensor type='thinlens'>{place}<float name='fov' value='30'/><float name='aperture_radius' value='.2'/><float name='focus_distance' value='4'/>"
+            "<sensor type='thinlens'>{place}<float name='fov' value='30'/><float \
+             name='aperture_radius' value='.2'/><float name='focus_distance' value='4'/>"
         ),
         &format!(
-            "{view} Camera \"perspective\" \"float fov\" 30 \"float lensradius\" .2 \"float focaldistance\" 4"
+            "{view} Camera \"perspective\" \"float fov\" 30 \"float lensradius\" .2 \"float \
+             focaldistance\" 4"
         ),
     );
     seen(
         "orthographic",
-        "<sensor type='orthographic'><transform name='to_world'><scale x='2' y='2'/><lookat origin='1 2 5' target='0 0 0' up='0 1 0'/></transform>",
+        "<sensor type='orthographic'><transform name='to_world'><scale x='2' y='2'/><lookat \
+         origin='1 2 5' target='0 0 0' up='0 1 0'/></transform>",
         &format!("{view} Camera \"orthographic\" \"float screenwindow\" [-2 2 -2 2]"),
     );
     // The middle of Mitsuba's panorama is ahead, pbrt's begins at the right: a quarter turn.
     seen(
         "spherical",
-        "<sensor type='spherical'><transform name='to_world'><lookat origin='1 2 5' target='0 0 0' up='0 1 0'/></transform>",
-        "Rotate -90 0 1 0 LookAt 1 2 5 0 0 0 0 1 0 Camera \"spherical\" \"string mapping\" \"equirectangular\"",
+        "<sensor type='spherical'><transform name='to_world'><lookat origin='1 2 5' target='0 0 \
+         0' up='0 1 0'/></transform>",
+        "Rotate -90 0 1 0 LookAt 1 2 5 0 0 0 0 1 0 Camera \"spherical\" \"string mapping\" \
+         \"equirectangular\"",
     );
     // A window that is a half of the picture shows what half the tangent does.
     let half = (2.0 * (20f64.to_radians().tan() / 2.0).atan().to_degrees()).to_string();
@@ -311,10 +321,13 @@ fn cameras_agree() {
     seen(
         "shifted window",
         &format!(
-            "<sensor type='perspective'>{place}<float name='fov' value='40'/><float name='principal_point_offset_x' value='.1'/><float name='principal_point_offset_y' value='-.2'/>"
+            "<sensor type='perspective'>{place}<float name='fov' value='40'/><float \
+             name='principal_point_offset_x' value='.1'/><float name='principal_point_offset_y' \
+                value='-.2'/>"
         ),
         &format!(
-            "{view} Camera \"perspective\" \"float fov\" 40 \"float screenwindow\" [-.8 1.2 -.6 1.4]"
+            "{view} Camera \"perspective\" \"float fov\" 40 \"float screenwindow\" [-.8 1.2 -.6 \
+             1.4]"
         ),
     );
 }

@@ -171,10 +171,12 @@ fn structures_that_blow_up_are_refused() {
     for i in 1..60 {
         let last = i - 1;
         textures += &format!(
-            "Texture \"t{i}\" \"spectrum\" \"mix\" \"texture tex1\" \"t{last}\" \"texture tex2\" \"t{last}\"\n"
+            "Texture \"t{i}\" \"spectrum\" \"mix\" \"texture tex1\" \"t{last}\" \"texture tex2\" \
+             \"t{last}\"\n"
         );
         materials += &format!(
-            "MakeNamedMaterial \"m{i}\" \"string type\" \"mix\" \"string materials\" [\"m{last}\" \"m{last}\"]\n"
+            "MakeNamedMaterial \"m{i}\" \"string type\" \"mix\" \"string materials\" [\"m{last}\" \
+             \"m{last}\"]\n"
         );
     }
     stage.write(
@@ -185,8 +187,16 @@ fn structures_that_blow_up_are_refused() {
         "m.pbrt",
         materials + "NamedMaterial \"m59\" Shape \"sphere\"",
     );
-    stage.write("c.pbrt", "WorldBegin Texture \"a\" \"float\" \"scale\" \"texture tex\" \"a\" Shape \"sphere\" \"texture alpha\" \"a\"");
-    stage.write("k.pbrt", "WorldBegin MakeNamedMaterial \"a\" \"string type\" \"mix\" \"string materials\" [\"a\" \"a\"] NamedMaterial \"a\" Shape \"sphere\"");
+    stage.write(
+        "c.pbrt",
+        "WorldBegin Texture \"a\" \"float\" \"scale\" \"texture tex\" \"a\" \
+        Shape \"sphere\" \"texture alpha\" \"a\"",
+    );
+    stage.write(
+        "k.pbrt",
+        "WorldBegin MakeNamedMaterial \"a\" \"string type\" \"mix\" \"string \
+        materials\" [\"a\" \"a\"] NamedMaterial \"a\" Shape \"sphere\"",
+    );
     let cube = "\"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2]";
     stage.write(
         "s.pbrt",
@@ -206,7 +216,11 @@ fn structures_that_blow_up_are_refused() {
 #[test]
 fn included_and_imported_files_see_what_they_should() {
     let stage = Stage::new();
-    stage.write("geometry/part.pbrt", "Translate 0 0 5 ReverseOrientation Shape \"sphere\" MakeNamedMaterial \"m\" \"string type\" \"dielectric\"");
+    stage.write(
+        "geometry/part.pbrt",
+        "Translate 0 0 5 ReverseOrientation Shape \"sphere\" \
+        MakeNamedMaterial \"m\" \"string type\" \"dielectric\"",
+    );
     stage.write(
         "a.pbrt",
         "WorldBegin Import \"geometry/part.pbrt\" NamedMaterial \"m\" Shape \"disk\"",
