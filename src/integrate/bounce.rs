@@ -8,7 +8,7 @@ use super::observer::PathObserver;
 use super::path::{FirstHit, Path};
 use crate::accel::{Hit, Ray};
 use crate::bsdf::Bsdf;
-use crate::light::{LightSource, Shining};
+use crate::light::{Collision, LightSource, Shining};
 use crate::math::{Rgb, Vec3};
 use crate::scene::path_medium::PathMedium;
 use crate::texture::SurfacePoint;
@@ -30,6 +30,8 @@ pub(super) struct Met<'a> {
     pub before: f32,
     /// The media around it, in scenes that have any.
     pub media: Option<&'a PathMedium>,
+    /// The vertex that it left, if it collided there.
+    pub left: Option<&'a Collision>,
 }
 
 /// A point where a path scatters, and the radiance that its sample has come to so far.
@@ -95,6 +97,7 @@ pub(super) fn bounce<'s, S: Scatter<'s>>(
         hit,
         before,
         media,
+        left,
     }: Met,
     how: &mut S,
     path: &mut S::Path,
@@ -127,7 +130,13 @@ pub(super) fn bounce<'s, S: Scatter<'s>>(
     let wo = -ray.dir;
     observer.arrive(base.accumulator, *radiance, distance);
     if surface.glows() {
-        let light = emitted(context, surface, (&point, wo), base, weight_after_delta);
+        let light = emitted(
+            context,
+            surface,
+            (&point, wo),
+            (base, left),
+            weight_after_delta,
+        );
         *radiance += light;
         let from = LightSource::Emitter(surface.emitter);
         observer.shines(base.accumulator, depth, light, from);

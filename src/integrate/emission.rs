@@ -7,7 +7,7 @@
 use super::context::PathContext;
 use super::path::Path;
 use crate::accel::Ray;
-use crate::light::Shining;
+use crate::light::{Collision, Shining};
 use crate::math::mis::power_heuristic;
 use crate::math::{Rgb, Vec3};
 use crate::scene::surface::Surface;
@@ -51,7 +51,7 @@ pub(super) fn emitted(
     context: &PathContext,
     surface: &Surface,
     (point, wo): (&SurfacePoint, Vec3),
-    path: &Path,
+    (path, left): (&Path, Option<&Collision>),
     weight_after_delta: impl FnOnce(Shining) -> f32,
 ) -> Rgb {
     let PathContext {
@@ -73,7 +73,13 @@ pub(super) fn emitted(
             .and_then(|guide| guide.light_factors(path.light_cell));
         let shape = (emitter, point.prim);
         let pdf = lights.pdf_area((from, n), &selection, shape, (point.p, point.ng));
-        power_heuristic(path.pdf, pdf * path.light_probability)
+        let weight = power_heuristic(path.pdf, pdf * path.light_probability);
+        // Distances that are drawn by lights find it, too, where the path left a collision.
+        left.map_or(weight, |collision| {
+            let leaf = lights.leaf_at(from, shape, (point.p, point.ng));
+            let share = |leaf| lights.free_flight_weight(collision, leaf);
+            weight * leaf.map_or(1.0, share)
+        })
     } else {
         weight_after_delta(Shining::Shape(emitter))
     };

@@ -10,13 +10,15 @@
 
 use super::bounce::{Arrived, BounceResult, Met, Scatter, bounce};
 use super::context::PathContext;
+use super::equiangular::{BesideFlight, EDGES};
 use super::features;
 use super::observer::PathObserver;
 use super::path::FirstHit;
+use super::settings::PathSettings;
 use super::shadows::{ShadowMedium, ShadowRays};
 use crate::accel::{Hit, Ray};
 use crate::bsdf::Bsdf;
-use crate::math::{NumberStream, Rgb};
+use crate::math::{NumberStream, PathSampler, Rgb};
 use crate::medium::MediumId;
 use crate::scene::Scene;
 use crate::scene::free_flight::{FreeFlight, MOST_PASSED, sample_flight};
@@ -25,6 +27,7 @@ use crate::scene::wavefront::Wavefront;
 use crate::texture::SurfacePoint;
 
 /// Numbers of the paths' sequences: beside those of the path itself.
+const BESIDE: u32 = 0x6265_7369;
 const FLIGHT: u32 = 0x666c_6967;
 const SHADOW: u32 = 0x7368_6164;
 
@@ -47,24 +50,44 @@ pub(super) fn advance<'s, S: Scatter<'s>>(
         let base = path.as_mut();
         let first = base.sampler.next4();
         let mut numbers = NumberStream::new(first, base.sampler.fork(FLIGHT));
-        let flight = sample_flight(scene, (ray, hit), &mut at, &mut || numbers.draw());
+        let mut beside = BesideFlight::new(scene, base.sampler.fork(BESIDE));
+        let u = &mut || numbers.draw();
+        let before = base.throughput;
+        let lights_draw = base.depth < EDGES && may_scatter(base.depth, context.settings);
+        let flight = match lights_draw {
+            true => sample_flight(scene, (ray, hit), &mut at, &mut beside, u),
+            false => sample_flight(scene, (ray, hit), &mut at, &mut (), u),
+        };
         base.throughput *= flight.factor;
-        passed += flight.rays;
+        passed += flight.rays + beside.rays;
         let radiance = &mut radiances[accumulator];
+        // Before the vertex: its own light samples and directions have no part in it.
+        if !beside.found.is_empty() {
+            observer.arrive(base.accumulator, *radiance, flight.distance());
+        }
+        for (light, from) in beside.found.drain(..) {
+            let light = before * light;
+            *radiance += light;
+            observer.shines(base.accumulator, base.depth + 1, light, from);
+        }
         let result = match flight.collision {
-            Some(collision) => {
-                let place = (&flight, collision, &at);
+            Some((distance, id)) => {
+                let medium = scene.media.list().get(id);
+                at.collision = medium.and_then(|medium| beside.collision(distance, medium));
+                let place = (&flight, (distance, id), &at);
                 collide(context, place, how, path, radiance, first_hits, observer)
             }
             None => {
                 if flight.hit.is_some() {
                     at.arrive(scene, &flight.ray, &flight.hit);
                 }
+                let left = at.collision.take();
                 let met = Met {
                     ray: &flight.ray,
                     hit: &flight.hit,
                     before: flight.before,
                     media: Some(&at),
+                    left: left.as_ref(),
                 };
                 bounce(context, met, how, path, radiance, first_hits, observer)
             }
@@ -84,6 +107,14 @@ pub(super) fn advance<'s, S: Scatter<'s>>(
         result.ray
     });
     rays + passed
+}
+
+/// Whether a path of a depth may scatter once more.
+fn may_scatter(depth: u32, settings: &PathSettings) -> bool {
+    match depth {
+        0 => settings.max_depth >= 2,
+        _ => depth + 1 < settings.max_depth,
+    }
 }
 
 /// Handles a collision: the path scatters by the medium's phase function.
@@ -106,7 +137,7 @@ fn collide<'s, S: Scatter<'s>>(
     let (wo, depth) = (-flight.ray.dir, base.depth);
     let gone = flight.before + distance;
     observer.arrive(base.accumulator, *radiance, gone);
-    if depth + 1 >= settings.max_depth && depth > 0 {
+    if depth > 0 && !may_scatter(depth, settings) {
         return BounceResult::default();
     }
     let footprint = base.cone_width + base.cone_spread * gone;
@@ -116,7 +147,7 @@ fn collide<'s, S: Scatter<'s>>(
     if depth == 0 {
         first_hits.push(features::first_collision(albedo, gone));
         observer.sees(None);
-        if settings.max_depth < 2 {
+        if !may_scatter(depth, settings) {
             return BounceResult::default();
         }
     } else if let Some(first) = how.seen_by(path, first_hits) {
@@ -145,7 +176,7 @@ pub(super) fn cast_shadows(scene: &Scene, shadows: &mut ShadowRays, blocked: &mu
         if *blocked {
             continue;
         }
-        let found = transmittance(scene, ray, start, &mut traced);
+        let found = attenuation(scene, ray, (start.medium, start.sampler), &mut traced);
         *blocked = found == Rgb::ZERO;
         offer.offer.attenuate(found);
     }
@@ -155,12 +186,18 @@ pub(super) fn cast_shadows(scene: &Scene, shadows: &mut ShadowRays, blocked: &mu
     }
 }
 
-/// What comes through along a shadow ray; 0 where a surface blocks it.
-fn transmittance(scene: &Scene, ray: &Ray, start: &ShadowMedium, traced: &mut u64) -> Rgb {
+/// What comes through along a shadow ray that begins in a medium; 0 where a surface blocks it,
+/// unless that is known already where none is index-matched.
+fn attenuation(
+    scene: &Scene,
+    ray: &Ray,
+    (medium, sampler): (MediumId, PathSampler),
+    traced: &mut u64,
+) -> Rgb {
     let media = &scene.media;
-    let mut numbers = NumberStream::from(start.sampler);
+    let mut numbers = NumberStream::from(sampler);
     let mut u = || numbers.draw();
-    let mut at = PathMedium::inside(start.medium);
+    let mut at = PathMedium::inside(medium);
     let (mut ray, mut found) = (*ray, Rgb::ONE);
     for _ in 0..MOST_PASSED {
         let hit = match media.has_index_matched {
@@ -180,4 +217,20 @@ fn transmittance(scene: &Scene, ray: &Ray, start: &ShadowMedium, traced: &mut u6
         ray = at.cross(scene, &ray, &hit);
     }
     Rgb::ZERO
+}
+
+/// The same for one ray, of which nothing is known yet.
+pub(super) fn transmittance(
+    scene: &Scene,
+    ray: &Ray,
+    start: (MediumId, PathSampler),
+    traced: &mut u64,
+) -> Rgb {
+    if !scene.media.has_index_matched {
+        *traced += 1;
+        if scene.rays.occluded(ray) {
+            return Rgb::ZERO;
+        }
+    }
+    attenuation(scene, ray, start, traced)
 }

@@ -50,6 +50,7 @@ mod context;
 pub mod debug;
 mod direction;
 mod emission;
+mod equiangular;
 mod features;
 mod guided_direction;
 pub mod guided_path;

@@ -97,6 +97,12 @@ pub(super) fn sample_light(
             .map_or(bsdf_pdf, |g| g.pdf(light.dir, bsdf_pdf));
         power_heuristic(light_pdf, pdf)
     };
+    // At a collision distances that are drawn by lights find it, too.
+    let collision = vertex.media.and_then(|at| at.collision.as_ref());
+    let weight = match (collision, light.leaf) {
+        (Some(collision), Some(leaf)) => weight * scene.lights.free_flight_weight(collision, leaf),
+        _ => weight,
+    };
     // Large BSDFs (narrow lobes) meet small weights before bright lights: the other order overflows
     // (S8).
     let offer = Offer {

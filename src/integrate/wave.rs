@@ -323,6 +323,7 @@ fn advance<'s, S: Scatter<'s>>(
             hit,
             before: 0.0,
             media: None,
+            left: None,
         };
         let result = bounce(context, met, how, path, radiance, first_hits, observer);
         if let Some((ray, shadow)) = result.shadow {

@@ -125,6 +125,14 @@ impl AreaEmitter {
         self.leaf_of.get(first + prim).copied().unwrap_or(DARK)
     }
 
+    /// The leaf of a primitive's side that faces `dir`, or [`DARK`], and the normal of that side;
+    /// `ng` is that of the front.
+    #[inline]
+    pub fn facing(&self, prim: u32, ng: Vec3, dir: Vec3) -> (u32, Vec3) {
+        let back = self.both_sides() && ng.dot(dir) < 0.0;
+        (self.leaf(prim, back), if back { -ng } else { ng })
+    }
+
     /// Radiance at a surface point, on a glowing side.
     #[inline]
     pub fn radiance(&self, point: &SurfacePoint) -> Rgb {

@@ -1,6 +1,7 @@
 //! From emitters as a scene describes them to lights that can be sampled.
 
 use super::area::{AreaEmitter, cluster_of};
+use super::beside;
 use super::cluster::Cluster;
 use super::distant::Distant;
 use super::emission::Sources;
@@ -194,5 +195,6 @@ fn local(leaves: Vec<(EmitterId, Leaf, Rgb)>) -> Option<Local> {
         tree: LightTree::build(&clusters)?,
         leaves: leaves.into_iter().map(|(id, leaf, _)| (id, leaf)).collect(),
         unit,
+        strongest: beside::strongest(&clusters),
     })
 }

@@ -1,6 +1,7 @@
 //! The lights in the scene, and how one of them is chosen.
 
 use super::EmitterId;
+use super::beside::Nearby;
 use super::leaf::Leaf;
 use super::selection::LightSelection;
 use super::tree::LightTree;
@@ -15,6 +16,8 @@ pub(super) struct Local {
     /// Strengths in the tree are relative to this, so that no product of them leaves the range of
     /// `f32`.
     pub unit: f32,
+    /// The strongest of the leaves, in order.
+    pub strongest: Vec<Nearby>,
 }
 
 impl Local {

@@ -15,6 +15,7 @@ use crate::texture::SurfacePoint;
 
 mod analytic;
 mod area;
+mod beside;
 mod blocks;
 mod build;
 mod caustic_emitter;
@@ -45,6 +46,7 @@ mod tree;
 mod tree_build;
 mod triangle;
 
+pub use beside::{Collision, DrawnDistance, LitSegment};
 pub use caustic_emitter::{CausticEmitter, Shining};
 pub use description::{Emitter, EmitterShape, Falloff, Slide, SunSky};
 pub use emission::Emission;
@@ -74,6 +76,8 @@ pub struct LightSample {
     pub pdf: f32,
     /// The light has no extent (point, spot, directional): no BSDF sample can meet it.
     pub delta: bool,
+    /// Leaf of the light tree; `None` for light from outside the scene.
+    pub leaf: Option<u32>,
 }
 
 /// Light that a sample would bring. Most samples are blocked, and the texels of a map are far from
@@ -195,8 +199,20 @@ impl Lights {
     ) -> Option<LightSample> {
         let local = self.local.as_ref()?;
         let (index, probability) = local.choose((p, n), selection, pick, u)?;
-        let probability = probability * share;
+        self.sample_chosen(local, p, (index, probability * share), u)
+    }
+
+    /// Samples a leaf that was chosen with a probability.
+    #[inline(always)]
+    fn sample_chosen(
+        &self,
+        local: &Local,
+        p: Vec3,
+        (index, probability): (usize, f32),
+        u: Vec2,
+    ) -> Option<LightSample> {
         let (emitter, leaf) = &local.leaves[index];
+        let number = Some(index as u32);
         if let Some(incident) = leaf.sample(p, u) {
             let area = self.areas[*emitter as usize].as_ref()?;
             let q = p + incident.dir * incident.distance;
@@ -209,6 +225,7 @@ impl Lights {
                 )),
                 pdf: incident.pdf * probability,
                 delta: false,
+                leaf: number,
             });
         }
         let incident = leaf.delta(p)?;
@@ -218,6 +235,7 @@ impl Lights {
             incoming: Incoming(Source::Here(incident.irradiance, *emitter)),
             pdf: probability,
             delta: true,
+            leaf: number,
         })
     }
 
@@ -266,6 +284,7 @@ impl Lights {
             incoming,
             pdf,
             delta,
+            leaf: None,
         })
     }
 
@@ -284,9 +303,7 @@ impl Lights {
         else {
             return 0.0;
         };
-        let back = area.both_sides() && ng.dot(p - q) < 0.0;
-        let ng = if back { -ng } else { ng };
-        let leaf = area.leaf(prim, back);
+        let (leaf, ng) = area.facing(prim, ng, p - q);
         if leaf == DARK || (n != Vec3::ZERO && n.dot(q - p) <= 0.0) {
             return 0.0;
         }
@@ -297,6 +314,19 @@ impl Lights {
         }
         let share = 1.0 - self.distant_share(p, n);
         density * local.tree.probability(p, n, selection, leaf) * share
+    }
+
+    /// The leaf that triangle `prim` of an area emitter is, seen from `p`; `q` and `ng` are as in
+    /// [`Lights::pdf_area`].
+    pub fn leaf_at(
+        &self,
+        p: Vec3,
+        (emitter, prim): (EmitterId, u32),
+        (q, ng): (Vec3, Vec3),
+    ) -> Option<u32> {
+        let area = self.areas.get(emitter as usize)?.as_ref()?;
+        let (leaf, _) = area.facing(prim, ng, p - q);
+        (leaf != DARK).then_some(leaf)
     }
 
     /// Radiance arriving from outside the scene along the ray direction `dir` (the sum over maps,

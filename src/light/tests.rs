@@ -6,6 +6,7 @@ use crate::math::{Affine3A, Mat3, Pcg32};
 use crate::texture::Texture;
 use std::sync::Arc;
 
+mod beside;
 mod closed_form;
 mod density;
 mod emitting;

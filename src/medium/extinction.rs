@@ -57,6 +57,15 @@ impl Extinction {
         }
     }
 
+    /// The coefficient by which light weakens at least on long ways, per unit length; 0 for grids,
+    /// whose parts may be empty.
+    pub fn least(&self) -> f32 {
+        match self {
+            Self::Homogeneous(medium) => medium.extinction.min_element(),
+            Self::Heterogeneous(_) => 0.0,
+        }
+    }
+
     /// The extinction coefficient at a place, per unit length.
     pub fn sigma_t(&self, p: Vec3) -> Rgb {
         match self {

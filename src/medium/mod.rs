@@ -116,6 +116,21 @@ pub struct Segment {
 }
 
 impl Segment {
+    /// A place on it.
+    #[inline]
+    pub fn at(&self, distance: f32) -> Vec3 {
+        self.origin + self.direction * distance
+    }
+
+    /// The part before a distance.
+    #[inline]
+    pub fn until(&self, distance: f32) -> Self {
+        Self {
+            length: distance,
+            ..*self
+        }
+    }
+
     /// Origin, direction and length.
     #[inline]
     fn parts(&self) -> (Vec3, Vec3, f32) {
@@ -157,6 +172,12 @@ impl ChannelWeights {
             _ if self.0.y > 0.0 => 1,
             _ => 0,
         }
+    }
+
+    /// The density of what channel c samples with density `density[c]`: the mean over the channels.
+    #[inline]
+    pub fn density(&self, density: Rgb) -> f32 {
+        (self.0 * density).element_sum() * (1.0 / 3.0)
     }
 
     /// Something happened that channel c samples with density `density[c]` and that contributes

@@ -43,7 +43,7 @@ pub(super) fn trace(
             let at = at.get_or_insert_with(begin);
             let first = flight.sampler.next4();
             let mut numbers = NumberStream::new(first, flight.sampler.fork(FLIGHT));
-            let flown = sample_flight(scene, (ray, hit), at, &mut || numbers.draw());
+            let flown = sample_flight(scene, (ray, hit), at, &mut (), &mut || numbers.draw());
             passed += flown.rays;
             flight.power *= flown.factor;
             if flight.power == Rgb::ZERO {

@@ -5,7 +5,7 @@ use super::Scene;
 use super::path_medium::{PathMedium, segment};
 use crate::accel::{Hit, Ray};
 use crate::math::Rgb;
-use crate::medium::MediumId;
+use crate::medium::{Medium, MediumId, Segment};
 
 /// Index-matched surfaces that a ray passes at most: more are a bug of the geometry, and the path
 /// ends.
@@ -27,11 +27,34 @@ pub struct FreeFlight {
     pub rays: u64,
 }
 
+impl FreeFlight {
+    /// How far it went; infinite where nothing ended it.
+    pub fn distance(&self) -> f32 {
+        let last = self.collision.map_or(self.hit.t, |(distance, _)| distance);
+        match self.collision.is_some() || self.hit.is_some() {
+            true => self.before + last,
+            false => f32::INFINITY,
+        }
+    }
+}
+
+/// What happens along a free flight besides.
+pub trait FlightObserver {
+    /// The flight enters a segment of a medium, as likely in each channel as `at` says.
+    fn enters(&mut self, segment: &Segment, medium: &Medium, at: &PathMedium, flight: &FreeFlight);
+}
+
+/// Nothing.
+impl FlightObserver for () {
+    fn enters(&mut self, _: &Segment, _: &Medium, _: &PathMedium, _: &FreeFlight) {}
+}
+
 /// Samples a free flight along a ray, through index-matched surfaces.
 pub fn sample_flight(
     scene: &Scene,
     (ray, hit): (&Ray, &Hit),
     at: &mut PathMedium,
+    observer: &mut impl FlightObserver,
     u: &mut impl FnMut() -> f32,
 ) -> FreeFlight {
     let media = &scene.media;
@@ -47,6 +70,7 @@ pub fn sample_flight(
         let id = at.medium(flight.ray.dir);
         if let Some(medium) = media.list().get(id) {
             let segment = segment(&flight.ray, &flight.hit);
+            observer.enters(&segment, medium, at, &flight);
             let sampled = medium.extinction.sample(&segment, &mut at.weights, u);
             flight.factor *= sampled.factor;
             if let Some(distance) = sampled.collision {

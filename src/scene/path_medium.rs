@@ -2,6 +2,7 @@
 
 use super::Scene;
 use crate::accel::{Hit, Ray};
+use crate::light::Collision;
 use crate::math::{Rgb, Vec3};
 use crate::medium::{Boundary, ChannelWeights, MediumId, Segment};
 
@@ -14,6 +15,8 @@ pub struct PathMedium {
     ng: Vec3,
     /// How likely each channel was to make the path.
     pub weights: ChannelWeights,
+    /// The path's last vertex, if it collided there and lights draw distances, too.
+    pub collision: Option<Collision>,
 }
 
 impl PathMedium {
@@ -26,6 +29,7 @@ impl PathMedium {
             },
             ng: Vec3::Z,
             weights: ChannelWeights::default(),
+            collision: None,
         }
     }
 

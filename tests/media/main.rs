@@ -98,19 +98,16 @@ fn a_ball_that_only_scatters_vanishes_in_a_furnace() {
     }
 }
 
-/// A point light of intensity 1 at distance d beside a ray from the camera, in a medium without
-/// end. What is scattered once into the ray: the integral of sigma_s / (4 pi r^2) exp(-sigma (t +
-/// r)) over t, with r^2 = d^2 + (t - t0)^2.
-#[test]
-fn a_point_light_in_endless_fog_shows_what_is_scattered_once() {
-    let (sigma, albedo, t0, d) = (0.4f32, 0.6f32, 3.0f32, 1.0f32);
-    let mut maker = SceneMaker::new(Vec3::ZERO, Vec3::Z, 0.05, 8);
-    maker.description.camera_medium = medium(&mut maker, sigma, albedo);
-    maker.emitter(Emitter::Point {
-        position: Vec3::new(0.0, d, t0),
-        intensity: Rgb::ONE,
-    });
-    let (sigma, albedo, t0, d) = [sigma, albedo, t0, d].map(f64::from).into();
+/// Where a lamp is beside a ray from the camera, and extinction and albedo of the medium without
+/// end around both.
+const LAMP: Vec3 = Vec3::new(0.0, 1.0, 3.0);
+const FOG: (f32, f32) = (0.4, 0.6);
+
+/// What a lamp of intensity 1 brings by one scattering: the integral of sigma_s / (4 pi r^2)
+/// exp(-sigma (t + r)) over t up to an end, with r^2 = d^2 + (t - t0)^2.
+fn scattered_once(end: f64) -> f64 {
+    let (sigma, albedo) = (f64::from(FOG.0), f64::from(FOG.1));
+    let (t0, d) = (f64::from(LAMP.z), f64::from(LAMP.y));
     let step = 1e-4;
     let along = |i: u32| {
         let t = (f64::from(i) + 0.5) * step;
@@ -118,13 +115,59 @@ fn a_point_light_in_endless_fog_shows_what_is_scattered_once() {
         sigma * albedo / (4.0 * std::f64::consts::PI * square)
             * (-sigma * (t + square.sqrt())).exp()
     };
-    let truth: f64 = (0..600_000).map(along).sum::<f64>() * step;
+    (0..(end / step) as u32).map(along).sum::<f64>() * step
+}
+
+fn in_endless_fog() -> SceneMaker {
+    let mut maker = SceneMaker::new(Vec3::ZERO, Vec3::Z, 0.05, 8);
+    maker.description.camera_medium = medium(&mut maker, FOG.0, FOG.1);
+    maker
+}
+
+fn point_lamp(maker: &mut SceneMaker) {
+    maker.emitter(Emitter::Point {
+        position: LAMP,
+        intensity: Rgb::ONE,
+    });
+}
+
+/// Expects light that was scattered once.
+fn expect_once(what: &str, truth: f64, maker: SceneMaker) {
     let settings = PathSettings {
         max_depth: 2,
         ..settings()
     };
     let built = maker.build(Backend::default());
-    expect("single scattering", truth, built.mean(&settings, 1 << 14));
+    expect(what, truth, built.mean(&settings, 1 << 13));
+}
+
+#[test]
+fn a_point_light_in_endless_fog_shows_what_is_scattered_once() {
+    let mut maker = in_endless_fog();
+    point_lamp(&mut maker);
+    expect_once("point light", scattered_once(60.0), maker);
+}
+
+/// A small sphere that glows: directions that meet it, light samples at collisions and distances
+/// that it draws share what it brings. Its extent changes r^-2 by less than (radius / d)^2.
+#[test]
+fn a_small_lamp_in_endless_fog_shows_the_same_as_a_point() {
+    let radius = 0.02f32;
+    let mut maker = in_endless_fog();
+    let black = maker.diffuse(0.0);
+    let radiance = 1.0 / (std::f32::consts::PI * radius * radius);
+    maker.sphere(LAMP, radius, black, Some(radiance), false);
+    expect_once("small lamp", scattered_once(60.0), maker);
+}
+
+/// The distances that a lamp draws end where the ray does.
+#[test]
+fn behind_a_wall_a_lamp_draws_no_distances() {
+    let mut maker = in_endless_fog();
+    let black = maker.diffuse(0.0);
+    maker.sphere(Vec3::new(0.0, 0.0, 8.6), 5.0, black, None, false);
+    point_lamp(&mut maker);
+    expect_once("until a wall", scattered_once(3.6), maker);
 }
 
 /// A slab of optical depth 8 that absorbs nothing, on black ground under a sky of 1, seen from

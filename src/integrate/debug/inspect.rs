@@ -218,6 +218,7 @@ fn step<'s>(
             hit,
             before: 0.0,
             media: None,
+            left: None,
         },
         &mut output,
         path,
