@@ -121,7 +121,7 @@ impl BesideFlight<'_> {
         let weight = 1.0 - lights.free_flight_weight(&collision, drawn.leaf);
         let factor = collides * albedo * phase * (weight / (drawn.pdf * light.pdf));
         let radiance = factor * lights.radiance(&light.incoming);
-        if radiance == Rgb::ZERO || !radiance.is_finite() {
+        if radiance == Rgb::ZERO {
             return None;
         }
         let origin = SurfacePoint::in_volume(p, wo, 0.0).spawn_ray(light.dir).org;
