@@ -70,6 +70,6 @@ fn missing(why: &str) -> ! {
         why,
         "Images and textures need Debian's OpenImageIO and a C++ compiler: \
          `apt-get install libopenimageio-dev g++ pkg-config`, or run ffi/install-debian.sh. \
-         Without them, `--no-default-features --features embree` reads and writes EXR only.",
+         Without them, `--no-default-features --features embree` reads and writes EXR, PNG, JPEG and Radiance HDR only.",
     )
 }

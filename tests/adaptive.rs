@@ -2,6 +2,7 @@
 
 mod support;
 
+use rayon::prelude::*;
 use support::{Built, SceneMaker, Silent, Spread, film_mean, grey, how, inside_of_cube, spreads};
 use twintree::accel::{AnalyticKind, Backend};
 use twintree::bsdf::material::Dielectric;
@@ -70,6 +71,7 @@ fn spreading_changes_no_mean_and_pixels_tell_their_variance() {
     let scene = room();
     let renders = 128;
     let films: Vec<Film> = (0..renders)
+        .into_par_iter()
         .map(|i| render(&scene, true, 100 + i))
         .collect();
     let spread = films.iter().filter(|film| {
@@ -116,6 +118,7 @@ fn spreading_lowers_the_error_and_is_the_same_for_any_number_of_threads() {
     assert!(image(1) == image(3), "threads change the image");
     let squares = |adaptive: bool| -> f64 {
         let films: Vec<Film> = (0..64)
+            .into_par_iter()
             .map(|i| render(&scene, adaptive, 1000 + i))
             .collect();
         let relative = |s: &Spread| s.actual / (s.mean * s.mean + 0.01);

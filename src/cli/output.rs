@@ -278,10 +278,10 @@ fn check_part(outputs: &[PathBuf]) -> Result<(), Failure> {
 /// When the name tells no format, this build does not have it, or OpenImageIO cannot be loaded.
 pub fn check_format(path: &Path) -> Result<(), Failure> {
     let format = Format::of(path)?;
-    if cfg!(not(feature = "oiio")) && format != Format::Exr {
+    if cfg!(not(feature = "oiio")) && format == Format::Tiff {
         return Err(Failure::wrong(
-            format!("{}: this build writes .exr only", path.display()),
-            "compile with the feature \"oiio\" for other formats",
+            format!("{}: this build writes no TIFF", path.display()),
+            "take .exr, or compile with the feature \"oiio\"",
         ));
     }
     image::load_library().map_err(|why| Failure::refused(why, "install OpenImageIO's library"))

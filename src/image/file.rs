@@ -1,11 +1,11 @@
 //! Image files opened for reading.
 
 use super::decoded::DecodeLimit;
+#[cfg(not(feature = "oiio"))]
+use super::formats::Input;
 use super::header::{Header, Level};
 #[cfg(feature = "oiio")]
 use super::oiio::input::Input;
-#[cfg(not(feature = "oiio"))]
-use super::openexr::Input;
 use super::{Image, ImageError, PixelType, foreign, promise};
 use std::ops::Range;
 use std::path::{Path, PathBuf};

@@ -2,8 +2,9 @@
 //!
 //! [`read`] and [`write()`] move whole images of any channels as linear `f32`; [`file::ImageFile`]
 //! reads rows in the file's own precision, for textures. The format of a file to be written follows
-//! from its name. [`metrics`] says how far one image is from another, [`denoise`] takes noise away. With the feature `oiio` off
-//! the `exr` crate reads and writes EXR, and nothing else is known.
+//! from its name. [`metrics`] says how far one image is from another, [`denoise`] takes noise away.
+//! With the feature `oiio` off Rust crates read and write EXR, PNG, JPEG and Radiance HDR, and
+//! nothing else is known.
 //!
 //! ```no_run
 //! use std::path::Path;
@@ -22,6 +23,8 @@ pub mod denoise;
 pub mod embedded;
 pub mod file;
 pub mod foreign;
+#[cfg(any(test, not(feature = "oiio")))]
+mod formats;
 pub mod header;
 pub mod mapped;
 pub mod metrics;

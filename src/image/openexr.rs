@@ -1,7 +1,6 @@
-//! EXR through the `exr` crate: all there is without OpenImageIO, and the independent reader of the
+//! EXR through the `exr` crate: for builds without OpenImageIO, and the independent reader of the
 //! tests with it.
 
-#[cfg(not(feature = "oiio"))]
 pub use reading::Input;
 
 use super::header::{Level, Window};
@@ -143,12 +142,16 @@ pub fn write(
 
 fn encoding(options: &WriteOptions) -> Result<Encoding, String> {
     use exr::prelude::{Blocks, Compression as Packed, LineOrder, Vec2};
-    let compression = match options.compression {
-        Compression::None => Packed::Uncompressed,
-        Compression::Piz => Packed::PIZ,
-        Compression::Dwaa => return Err("DWA compression needs the feature `oiio`".into()),
-        _ => Packed::ZIP16,
-    };
+    let compression =
+        match options.compression {
+            Compression::None => Packed::Uncompressed,
+            Compression::Piz => Packed::PIZ,
+            Compression::Dwaa => return Err(
+                "DWA compression needs OpenImageIO: this build was made without the feature `oiio`"
+                    .into(),
+            ),
+            _ => Packed::ZIP16,
+        };
     Ok(Encoding {
         compression,
         blocks: if options.tiled {
@@ -208,7 +211,6 @@ fn to_exr(value: &AttributeValue) -> Option<ExrValue> {
     }
 }
 
-#[cfg(not(feature = "oiio"))]
 mod reading {
     use super::*;
     use crate::image::Channel;
@@ -228,14 +230,6 @@ mod reading {
     impl Input {
         /// Opens a file. The error is the reason alone.
         pub fn open(path: &Path) -> Result<Self, String> {
-            let is_exr = path
-                .extension()
-                .is_some_and(|e| e.eq_ignore_ascii_case("exr"));
-            if !is_exr {
-                return Err(
-                    "this build reads EXR only: it was made without the feature `oiio`".into(),
-                );
-            }
             let meta =
                 exr::prelude::MetaData::read_from_file(path, false).map_err(|e| e.to_string())?;
             Ok(Self {

@@ -8,14 +8,14 @@ use std::path::Path;
 /// Most bytes of pixels that one byte of a file can stand for. Deflate reaches 1032, and the
 /// densest codec here (DWA, on a black image) about 64 times that: a header that promises more is
 /// lying.
-const MOST_BYTES_FROM_ONE: u64 = 1 << 17;
+pub(super) const MOST_BYTES_FROM_ONE: u64 = 1 << 17;
 /// The largest image that is read, in bytes as `f32`.
 const MOST_BYTES: u64 = 1 << 36;
 /// Bytes of an OpenEXR file for each of its chunks, in the table of where they are.
 const BYTES_OF_CHUNK: u64 = 8;
 
 /// First bytes of an OpenEXR file.
-const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+pub(super) const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 /// Flag of files with several headers.
 const MULTIPART: u32 = 0x1000;
 /// Longest name in an OpenEXR file.

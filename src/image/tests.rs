@@ -7,7 +7,6 @@ use crate::math::Pcg32;
 use std::path::PathBuf;
 
 mod damage;
-#[cfg(feature = "oiio")]
 mod formats;
 
 /// An image of noise, `low` to `high`, with metadata of all kinds.

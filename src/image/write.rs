@@ -277,12 +277,16 @@ fn encode(
     images: &[Image],
     options: &WriteOptions,
 ) -> Result<(), String> {
-    if format != Format::Exr {
-        return Err("this build writes EXR only: it was made without the feature `oiio`".into());
-    }
     let parts: Vec<_> = images
         .iter()
         .map(|i| (i, types(i, format, options)))
         .collect();
-    super::openexr::write(file, &parts, options)
+    match (format, &parts[..]) {
+        (Format::Exr, _) => super::openexr::write(file, &parts, options),
+        (_, [(image, stored)]) => {
+            let stored = stored.first().copied().unwrap_or_default();
+            super::formats::write(file, format, image, stored, options)
+        }
+        _ => Err("only EXR and TIFF files hold several images".into()),
+    }
 }

@@ -96,7 +96,6 @@ fn a_scene_has_alpha_where_it_hides_emitters() {
     assert!(channels(&place, "c.exr") == image);
 }
 
-#[cfg(feature = "oiio")]
 #[test]
 fn a_png_has_the_colour_of_what_covers_a_pixel() {
     let place = Place::with(&lamp());

@@ -130,7 +130,6 @@ fn what_cannot_be_compared_is_told_in_words() {
         .fails(1, &["nowhere/a.json", "mkdir"]);
 }
 
-#[cfg(feature = "oiio")]
 #[test]
 fn errors_are_drawn_into_a_directory_or_onto_a_sheet() {
     let place = Place::new();
@@ -187,7 +186,6 @@ fn two_renders_of_one_scene_differ_by_their_noise() {
     assert!(inside(1) < 0.9, "{report:#}");
 }
 
-#[cfg(feature = "oiio")]
 #[test]
 fn pictures_of_eight_bits_are_compared_as_shown() {
     let place = Place::new();

@@ -5,7 +5,6 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 use std::process::Stdio;
 
-#[cfg(feature = "oiio")]
 #[test]
 fn one_render_writes_several_formats() {
     let place = Place::new();
@@ -193,7 +192,6 @@ fn layers_are_in_the_file_that_was_asked_for_them() {
     }
 }
 
-#[cfg(feature = "oiio")]
 #[test]
 fn exposure_and_view_shape_a_png_and_leave_the_exr() {
     let place = Place::new();

@@ -42,13 +42,11 @@ fn options_without_effect_are_said_to_have_none() {
         );
     }
     assert!(!said("render scene.xml -o a.exr --aov all").contains("warning"));
-    if cfg!(feature = "oiio") {
-        let text = said("render scene.xml -o a.png --aov albedo --compression piz");
-        assert!(
-            text.contains("--aov has no effect") && text.contains("--compression"),
-            "{text}"
-        );
-    }
+    let text = said("render scene.xml -o a.png --aov albedo --compression piz");
+    assert!(
+        text.contains("--aov has no effect") && text.contains("--compression"),
+        "{text}"
+    );
     let text = said("train scene.xml -o a.field --photons 999 --paths 0 --sampler sobol");
     assert!(text.contains("--sampler has no effect"), "{text}");
 }
@@ -112,7 +110,6 @@ fn thousands_of_warnings_are_printed_up_to_a_bound() {
     assert!(ran.err.lines().count() >= 3000);
 }
 
-#[cfg(feature = "oiio")]
 #[test]
 fn a_model_in_the_sun_is_exposed_so_that_it_is_seen() {
     let place = Place::new();
@@ -129,7 +126,6 @@ fn a_model_in_the_sun_is_exposed_so_that_it_is_seen() {
 }
 
 /// Mean of the middle of a.png, as shown.
-#[cfg(feature = "oiio")]
 fn image_mean(place: &Place) -> f64 {
     use twintree::image::read;
     let image = read(&place.path("a.png")).unwrap();

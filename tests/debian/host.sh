@@ -63,8 +63,9 @@ image_environment() {
     echo LC_ALL=C.UTF-8
     echo DEBIAN_FRONTEND=noninteractive
     echo CARGO_TERM_COLOR=never
-    # Nothing here is built twice, and what incremental builds keep for that costs time and space.
+    # As in .ci/run: what is of use to who works on the program costs time and space here.
     echo CARGO_INCREMENTAL=0
+    echo CARGO_PROFILE_RELEASE_DEBUG=0
     for name in http_proxy https_proxy ftp_proxy no_proxy HTTP_PROXY HTTPS_PROXY NO_PROXY \
         CARGO_BUILD_JOBS RUSTUP_DIST_SERVER RUSTUP_UPDATE_ROOT; do
         [ -z "${!name:-}" ] || echo "$name=${!name}"

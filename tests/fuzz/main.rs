@@ -108,7 +108,7 @@ fn parts() {
 #[ignore = "writes the corpus"]
 fn write_the_corpus() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz/corpus");
-    for kind in ["field", "image", "part"] {
+    for kind in ["field", "image", "part", "picture"] {
         std::fs::create_dir_all(folder.join(kind)).expect("a folder");
     }
     let settings = Settings {
@@ -140,6 +140,11 @@ fn write_the_corpus() {
         .for_each(|(i, p)| *p = i as f32);
     let path = folder.join("image/ramp.exr");
     write(&path, &image, &WriteOptions::default()).expect("written");
+    image.pixels.iter_mut().for_each(|p| *p /= 192.0);
+    for name in ["ramp.hdr", "ramp.jpg", "ramp.png"] {
+        let path = folder.join("picture").join(name);
+        write(&path, &image, &WriteOptions::default()).expect("written");
+    }
     let record = Record {
         identity: Identity {
             scene: 1,

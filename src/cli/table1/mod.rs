@@ -155,8 +155,7 @@ fn picture(args: &Table1Args, subject: &Subject, what: &str, image: &Image) -> R
     let Some(directory) = &args.output else {
         return Ok(());
     };
-    let kind = if cfg!(feature = "oiio") { "png" } else { "exr" };
-    let path = directory.join(format!("{}-{what}.{kind}", subject.name()));
+    let path = directory.join(format!("{}-{what}.png", subject.name()));
     let options = WriteOptions {
         exposure: subject.film().exposure,
         ..WriteOptions::default()

@@ -101,7 +101,6 @@ fn texels_that_are_no_colours_count_as_black() {
     }
 }
 
-#[cfg(feature = "oiio")]
 #[test]
 fn channels_are_found_by_letter_and_alpha_has_no_curve() {
     let dir = tempfile::tempdir().unwrap();

@@ -126,7 +126,6 @@ fn unpacked(file: &Path) -> Result<image::Image, ImportError> {
     Ok(image.unwrap())
 }
 
-#[cfg(feature = "oiio")]
 #[test]
 fn textures_of_basis_universal_are_what_its_own_decoder_makes_of_them() {
     for name in ["etc1s", "uastc", "opaque"] {
