@@ -29,6 +29,8 @@ pub enum Computed {
     },
     /// The square root of another texture, channel by channel; 0 where that is negative.
     SquareRoot(Texture),
+    /// The mean of the three channels of another texture, as a grey.
+    ChannelMean(Texture),
     /// Bilinear between values at the corners of the unit square.
     Bilinear {
         /// Values at (u, v) = (0, 0), (0, 1), (1, 0), (1, 1).
@@ -98,6 +100,7 @@ impl Computed {
                 across.eval(point).lerp(along.eval(point), amount)
             }
             Self::SquareRoot(inner) => root(inner.eval(point)),
+            Self::ChannelMean(inner) => channel_mean(inner.eval(point)),
             Self::Bilinear { corners, to_uv } => bilinear(corners, to_uv, point.uv),
             Self::Cubes {
                 first,
@@ -145,6 +148,7 @@ impl Computed {
             // |cos| of directions that are uniform on the sphere is a half on average.
             Self::DirectionMix { along, across, .. } => (along.mean() + across.mean()) * 0.5,
             Self::SquareRoot(inner) => root(inner.mean()),
+            Self::ChannelMean(inner) => channel_mean(inner.mean()),
             Self::Bilinear { corners, .. } => corners.iter().sum::<Rgb>() * 0.25,
             Self::Cubes { first, second, .. } => (first.mean() + second.mean()) * 0.5,
             Self::Noise { kind, .. } => kind.mean(),
@@ -163,6 +167,7 @@ impl Computed {
                 Some(first.constant()?.lerp(second.constant()?, amount))
             }
             Self::SquareRoot(inner) => inner.constant().map(root),
+            Self::ChannelMean(inner) => inner.constant().map(channel_mean),
             _ => None,
         }
     }
@@ -173,6 +178,7 @@ impl Computed {
             Self::Mix { first, second, .. } => first.largest()?.max(second.largest()?),
             Self::DirectionMix { along, across, .. } => along.largest()?.max(across.largest()?),
             Self::SquareRoot(inner) => inner.largest()?.max(0.0).sqrt(),
+            Self::ChannelMean(inner) => inner.largest()?,
             // Beyond the unit square it goes on.
             Self::Bilinear { .. } => return None,
             Self::Cubes { first, second, .. } => first.largest()?.max(second.largest()?),
@@ -189,6 +195,7 @@ impl Computed {
                 amount,
             } => amount.constant().is_some() && first.averages() && second.averages(),
             Self::Bilinear { .. } => true,
+            Self::ChannelMean(inner) => inner.averages(),
             _ => self.inner().iter().all(|t| t.constant().is_some()) && self.constant().is_some(),
         }
     }
@@ -202,7 +209,7 @@ impl Computed {
                 amount,
             } => vec![first, second, amount],
             Self::DirectionMix { along, across, .. } => vec![along, across],
-            Self::SquareRoot(inner) => vec![inner],
+            Self::SquareRoot(inner) | Self::ChannelMean(inner) => vec![inner],
             Self::Cubes { first, second, .. } => vec![first, second],
             Self::Bilinear { .. } | Self::Noise { .. } => vec![],
         }
@@ -216,6 +223,11 @@ impl Computed {
 
 fn root(c: Rgb) -> Rgb {
     c.max(Rgb::ZERO).map(f32::sqrt)
+}
+
+/// Luminance weighs channels; what is no colour has no such weights.
+fn channel_mean(c: Rgb) -> Rgb {
+    Rgb::splat(c.element_sum() / 3.0)
 }
 
 fn bilinear(corners: &[Rgb; 4], to_uv: &UvTransform, uv: Vec2) -> Rgb {

@@ -129,19 +129,19 @@ fn opaque_materials_agree() {
     );
     ball(
         "conductor",
-        "<bsdf type='conductor'><string name='material' value='Au'/></bsdf>",
+        "<bsdf type='conductor'><rgb name='eta' value='.133 .3996 1.583'/><rgb name='k' value='7.137 2.321 1.724'/></bsdf>",
         "Material \"conductor\" \"spectrum eta\" \"metal-Au-eta\" \"spectrum k\" \"metal-Au-k\"",
     );
     // alpha is the root of the roughness.
     ball(
         "rough conductor",
-        "<bsdf type='roughconductor'><string name='material' value='Cu'/><string name='distribution' value='ggx'/>
+        "<bsdf type='roughconductor'><rgb name='eta' value='.2243 .9777 1.214'/><rgb name='k' value='4.308 2.623 2.369'/><string name='distribution' value='ggx'/>
          <float name='alpha_u' value='.3'/><float name='alpha_v' value='.5'/></bsdf>",
         "Material \"conductor\" \"float uroughness\" .09 \"float vroughness\" .25",
     );
     ball(
         "roughness as it is",
-        "<bsdf type='roughconductor'><string name='material' value='Cu'/><string name='distribution' value='ggx'/>
+        "<bsdf type='roughconductor'><rgb name='eta' value='.2243 .9777 1.214'/><rgb name='k' value='4.308 2.623 2.369'/><string name='distribution' value='ggx'/>
          <float name='alpha' value='.3'/></bsdf>",
         "Material \"conductor\" \"float roughness\" .3 \"bool remaproughness\" false",
     );
@@ -157,7 +157,7 @@ fn opaque_materials_agree() {
         "coated conductor",
         "<bsdf type='coating'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/>
          <float name='thickness' value='.01'/><rgb name='sigma_a' value='1'/>
-         <bsdf type='roughconductor'><string name='material' value='Au'/><float name='ext_eta' value='1.5'/>
+         <bsdf type='roughconductor'><rgb name='eta' value='.133 .3996 1.583'/><rgb name='k' value='7.137 2.321 1.724'/><float name='ext_eta' value='1.5'/>
          <string name='distribution' value='ggx'/><float name='alpha' value='.3'/></bsdf></bsdf>",
         "Material \"coatedconductor\" \"spectrum conductor.eta\" \"metal-Au-eta\"
          \"spectrum conductor.k\" \"metal-Au-k\" \"float conductor.roughness\" .09",

@@ -7,3 +7,4 @@ mod agreement;
 mod coated;
 mod hostile;
 mod stage;
+mod told;

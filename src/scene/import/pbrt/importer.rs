@@ -196,6 +196,13 @@ impl<'s> Importer<'s> {
         self.warn(format!("{}: {warning}", self.source.location(at)));
     }
 
+    /// The same where a scene may do it a hundred thousand times: only the first place is named.
+    pub fn warn_once(&mut self, at: At, warning: &str) {
+        if self.told.insert(warning.to_owned()) {
+            self.warn_at(at, warning);
+        }
+    }
+
     /// Remembers something odd.
     pub fn warn(&mut self, warning: String) {
         if self.told.insert(warning.clone()) {

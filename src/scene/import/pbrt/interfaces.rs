@@ -1,6 +1,7 @@
 //! Models with a surface that is smooth or of microfacets: metals, glass, coats.
 
 use super::importer::{Importer, Role};
+use super::named_spectra::copper;
 use super::params::Params;
 use crate::bsdf::Material;
 use crate::bsdf::material::{
@@ -8,7 +9,6 @@ use crate::bsdf::material::{
     Roughness, ThinDielectric, white,
 };
 use crate::math::{Rgb, luminance};
-use crate::scene::import::ior;
 use crate::texture::{Computed, Texture};
 use std::sync::Arc;
 
@@ -109,7 +109,7 @@ impl<'s> Importer<'s> {
         };
         let given = [eta_name, k_name].map(|name| self.texture_given(p, name, Role::Unbounded));
         let reflectance = self.texture_given(p, "reflectance", Role::Reflectance);
-        let copper = ior::conductor("Cu").unwrap_or((Rgb::ZERO, Rgb::ONE));
+        let copper = copper();
         let (eta, k, factor) = match (reflectance, given) {
             (Some(_), [Some(_), _] | [_, Some(_)]) => {
                 return Err(format!(
@@ -213,8 +213,8 @@ impl<'s> Importer<'s> {
         } else {
             p.ignore(&["g"]);
         }
-        let thickness = self.texture(p, "thickness", Role::Number, 0.01);
-        luminance(thickness.mean()).max(0.0)
+        let thickness = self.mean_given(p, "thickness", Role::Number);
+        thickness.map_or(0.01, luminance).max(0.0)
     }
 
     /// A metal under a dielectric coat.

@@ -59,7 +59,12 @@ impl<'s> Importer<'s> {
             }
             _ => Rgb::splat(p.float("scale", 1.0) as f32),
         };
-        // Lights that take away are beyond what is rendered here.
+        if scale.min_element() < 0.0 {
+            self.warn_at(
+                p.place_of("scale"),
+                "\"scale\" is below 0: lights that take away are left out",
+            );
+        }
         (scale * self.imaging_ratio).max(Rgb::ZERO)
     }
 

@@ -269,8 +269,9 @@ impl<'s> Importer<'s> {
         let amount = match p.any("amount").map(|given| given.kind) {
             // v3's amount is a colour.
             Some(Kind::Rgb | Kind::Spectrum) => {
-                let amount = self.texture(p, "amount", Role::Unbounded, 0.5);
-                Texture::Constant(Rgb::splat(crate::math::luminance(amount.mean())))
+                let amount = self.mean_given(p, "amount", Role::Unbounded);
+                let amount = amount.map_or(0.5, crate::math::luminance);
+                Texture::Constant(Rgb::splat(amount))
             }
             _ => self.texture(p, "amount", Role::Number, 0.5),
         };

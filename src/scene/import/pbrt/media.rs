@@ -89,12 +89,11 @@ impl<'s> Importer<'s> {
     /// Absorption and scattering: of a substance by name, or as they are given.
     fn coefficients(&mut self, p: &Params<'_, 's>) -> Result<(Rgb, Rgb), String> {
         if let Some(name) = p.text("preset").filter(|name| !name.is_empty()) {
-            return presets::coefficients(name)
-                .ok_or_else(|| format!("there are no coefficients of \"{name}\""));
+            return presets::coefficients(name);
         }
         let mut one = |name| {
-            let given = self.texture_given(p, name, Role::Unbounded);
-            given.map_or(Rgb::ONE, |t| t.mean())
+            let given = self.mean_given(p, name, Role::Unbounded);
+            given.unwrap_or(Rgb::ONE)
         };
         Ok((one("sigma_a"), one("sigma_s")))
     }

@@ -29,6 +29,7 @@ mod materials;
 mod materials_v3;
 mod media;
 mod meshes;
+mod named_spectra;
 mod number;
 mod parameter;
 mod params;

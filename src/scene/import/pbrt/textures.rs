@@ -76,6 +76,23 @@ impl<'s> Importer<'s> {
         }
     }
 
+    /// The texture `name` where a single value is all that can be rendered: its mean, which is told.
+    pub fn mean_given(
+        &mut self,
+        p: &Params<'_, 's>,
+        name: &'static str,
+        role: Role,
+    ) -> Option<Rgb> {
+        let texture = self.texture_given(p, name, role)?;
+        if texture.constant().is_none() {
+            self.warn_at(
+                p.place_of(name),
+                &format!("\"{name}\" is the same everywhere here: its texture's mean"),
+            );
+        }
+        Some(texture.mean())
+    }
+
     /// The texture of that name, one of numbers or of colours.
     pub fn named_texture(
         &mut self,
@@ -311,7 +328,7 @@ impl<'s> Importer<'s> {
 
 const NOT_AFFINE: &str = "the texture's transform is no affine map";
 
-fn computed(formula: Computed) -> Texture {
+pub(super) fn computed(formula: Computed) -> Texture {
     let constant = formula.constant();
     constant.map_or_else(|| Texture::Computed(Arc::new(formula)), Texture::Constant)
 }
