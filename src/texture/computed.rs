@@ -1,6 +1,6 @@
 //! Textures computed from others, from texture coordinates, or from where a point is.
 
-use super::noise::{Octaves, fbm, turbulence};
+use super::noise::{DOTTED, Octaves, fbm, in_polka_dot, turbulence};
 use super::{SurfacePoint, Texture, UvTransform};
 use crate::math::{Affine3A, Rgb, Vec2, Vec3, luminance};
 use glam::FloatExt;
@@ -46,6 +46,15 @@ pub enum Computed {
         second: Texture,
         /// World space to the space of the cubes.
         to_texture: Affine3A,
+    },
+    /// Dots in two in five of the unit cells of the plane.
+    Dots {
+        /// Value in dots.
+        inside: Texture,
+        /// Value between them.
+        outside: Texture,
+        /// Placement.
+        to_uv: UvTransform,
     },
     /// Noise in space.
     Noise {
@@ -110,6 +119,14 @@ impl Computed {
                 true => first.eval(point),
                 false => second.eval(point),
             },
+            Self::Dots {
+                inside,
+                outside,
+                to_uv,
+            } => match in_polka_dot(to_uv.0.transform_point2(point.uv)) {
+                true => inside.eval(point),
+                false => outside.eval(point),
+            },
             Self::Noise { kind, to_texture } => {
                 let p = to_texture.transform_point3(point.p);
                 let m = &to_texture.matrix3;
@@ -151,6 +168,9 @@ impl Computed {
             Self::ChannelMean(inner) => channel_mean(inner.mean()),
             Self::Bilinear { corners, .. } => corners.iter().sum::<Rgb>() * 0.25,
             Self::Cubes { first, second, .. } => (first.mean() + second.mean()) * 0.5,
+            Self::Dots {
+                inside, outside, ..
+            } => outside.mean().lerp(inside.mean(), DOTTED),
             Self::Noise { kind, .. } => kind.mean(),
         }
     }
@@ -182,6 +202,9 @@ impl Computed {
             // Beyond the unit square it goes on.
             Self::Bilinear { .. } => return None,
             Self::Cubes { first, second, .. } => first.largest()?.max(second.largest()?),
+            Self::Dots {
+                inside, outside, ..
+            } => inside.largest()?.max(outside.largest()?),
             Self::Noise { kind, .. } => kind.largest(),
         })
     }
@@ -211,13 +234,16 @@ impl Computed {
             Self::DirectionMix { along, across, .. } => vec![along, across],
             Self::SquareRoot(inner) | Self::ChannelMean(inner) => vec![inner],
             Self::Cubes { first, second, .. } => vec![first, second],
+            Self::Dots {
+                inside, outside, ..
+            } => vec![inside, outside],
             Self::Bilinear { .. } | Self::Noise { .. } => vec![],
         }
     }
 
     /// Whether it reads texture coordinates itself.
     pub fn reads_uvs(&self) -> bool {
-        matches!(self, Self::Bilinear { .. })
+        matches!(self, Self::Bilinear { .. } | Self::Dots { .. })
     }
 }
 
