@@ -20,7 +20,7 @@ use std::sync::OnceLock;
 /// The smoothest fibres: smoother ones shine in a line along the horizon that nothing resolves.
 const SMOOTHEST: f32 = 0.07;
 /// Cosines 0 to 1 of the table of albedos.
-const COSINES: usize = 32;
+const COSINES: usize = 64;
 /// Its roughnesses, [`SMOOTHEST`] to 1.
 const ROUGHNESSES: usize = 16;
 /// Points of the quadrature on each axis.
@@ -49,7 +49,8 @@ impl Sheen {
 
     /// Fibres of a colour and a perceptual roughness, the square root of alpha.
     pub fn new(color: Rgb, roughness: f32) -> Self {
-        let roughness = roughness.clamp(SMOOTHEST, 1.0);
+        // What is no number counts as the smoothest.
+        let roughness = roughness.max(SMOOTHEST).min(1.0);
         let x = (roughness - SMOOTHEST) / (1.0 - SMOOTHEST) * (ROUGHNESSES - 1) as f32;
         let i = (x as usize).min(ROUGHNESSES - 2);
         Self {
