@@ -50,7 +50,10 @@ impl Sheen {
     /// Fibres of a colour and a perceptual roughness, the square root of alpha.
     pub fn new(color: Rgb, roughness: f32) -> Self {
         // What is no number counts as the smoothest.
-        let roughness = roughness.max(SMOOTHEST).min(1.0);
+        let roughness = match roughness > SMOOTHEST {
+            true => roughness.min(1.0),
+            false => SMOOTHEST,
+        };
         let x = (roughness - SMOOTHEST) / (1.0 - SMOOTHEST) * (ROUGHNESSES - 1) as f32;
         let i = (x as usize).min(ROUGHNESSES - 2);
         Self {
