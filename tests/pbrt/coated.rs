@@ -206,5 +206,5 @@ fn coated_conductor_is_near_to_pbrts_random_walk() {
     }
     let mean = sum / 81.0;
     println!("worst: {worst}, mean: {mean}");
-    assert!(worst < 0.17 && mean < 0.055, "{worst} {mean}");
+    assert!(worst < 0.18 && mean < 0.05, "{worst} {mean}");
 }

@@ -92,7 +92,7 @@ impl<'s> Importer<'s> {
         self.warn_at(
             p.at(),
             "\"coatedconductor\" is rendered without bounces between coat and metal: its light is \
-             within 17 % of pbrt's",
+             within 18 % of pbrt's",
         );
         let index = self.index(p, "interface.eta", 1.5);
         let thickness = self.thickness(p);
