@@ -7,6 +7,7 @@ use super::MaterialId;
 use super::facet_albedo::facet_albedo;
 use super::lobes::either_lobe;
 use super::model::{Lookup, Model, Textures};
+use super::sheen::albedos;
 use super::transmittance::RoughTransmittance;
 use crate::texture::Texture;
 use std::fmt::{self, Debug, Formatter};
@@ -263,6 +264,15 @@ materials! {
             /// The coated material.
             inner: MaterialId,
         },
+        /// Fibres that shine at grazing angles (glTF's `KHR_materials_sheen`).
+        Sheen = "sheen" {
+            /// Their colour.
+            color: Texture,
+            /// Perceptual roughness, the square root of the distribution's alpha.
+            roughness: Texture,
+            /// The material beneath.
+            inner: MaterialId,
+        },
     }
 }
 
@@ -278,7 +288,8 @@ impl Material {
             | Self::NormalMap { inner, .. }
             | Self::Coating { inner, .. }
             | Self::RoughCoating { inner, .. }
-            | Self::ClearCoat { inner, .. } => ([Some(*inner), None], &[]),
+            | Self::ClearCoat { inner, .. }
+            | Self::Sheen { inner, .. } => ([Some(*inner), None], &[]),
             _ => ([None, None], &[]),
         };
         let parts = parts.iter().map(|p| p.1);
@@ -310,6 +321,9 @@ impl Material {
             Self::ClearCoat {
                 weight, roughness, ..
             } => (vec![], vec![weight, roughness]),
+            Self::Sheen {
+                color, roughness, ..
+            } => (vec![], vec![color, roughness]),
             _ => return self.model().map(Model::textures).unwrap_or_default(),
         };
         Textures { linear, nonlinear }
@@ -319,6 +333,10 @@ impl Material {
     pub(super) fn prepare(&self) -> Option<&'static RoughTransmittance> {
         match self {
             Self::RoughCoating { eta, roughness, .. } => Some(roughness.coat_table(*eta)),
+            Self::Sheen { .. } => {
+                albedos();
+                None
+            }
             Self::ClearCoat { .. } => {
                 facet_albedo();
                 None

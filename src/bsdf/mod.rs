@@ -89,6 +89,7 @@ mod needs;
 mod parameters;
 mod perturb;
 mod resolve;
+mod sheen;
 mod thin_film;
 mod transmittance;
 mod tree;

@@ -25,7 +25,9 @@ impl Materials {
             None => {
                 matches!(
                     m,
-                    Material::RoughCoating { .. } | Material::ClearCoat { .. }
+                    Material::RoughCoating { .. }
+                        | Material::ClearCoat { .. }
+                        | Material::Sheen { .. }
                 ) || m.inner().next().is_none()
             }
         })

@@ -9,6 +9,7 @@ use super::lobes::diffuse::DiffuseLobe;
 use super::material::{InvalidNormals, Leaf};
 use super::model::{Lookup, Model};
 use super::perturb::{Perturbation, bumped_normal};
+use super::sheen::Sheen;
 use super::tree::{Mix, Node, NodeId, Tree};
 use super::volume::{self, Collision};
 use super::{Bsdf, LobeFlags, Material, MaterialId, Materials};
@@ -291,6 +292,15 @@ impl Resolver<'_> {
                 let coat = ClearCoat::new(at.scalar(weight), at.scalar(roughness));
                 let inner = self.child(id, *inner, frame, wo);
                 self.tree.push(Node::ClearCoat(coat, inner))
+            }
+            Material::Sheen {
+                color,
+                roughness,
+                inner,
+            } => {
+                let sheen = Sheen::new(at.color(color), at.scalar(roughness));
+                let inner = self.child(id, *inner, frame, wo);
+                self.tree.push(Node::Sheen(sheen, inner))
             }
             _ => self.tree.push(Node::Black),
         }

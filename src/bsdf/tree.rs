@@ -10,6 +10,7 @@ use super::lobes::rough_plastic::RoughPlasticLobe;
 use super::lobes::{Lobe, weighted};
 use super::material::Leaf;
 use super::perturb::Perturbation;
+use super::sheen::Sheen;
 use super::volume::{self, Collision};
 use super::{BsdfSample, LobeFlags, Transport};
 use crate::math::rng::BELOW_ONE;
@@ -37,6 +38,7 @@ pub(super) enum Node {
     Coating(Coating, NodeId),
     RoughCoating(RoughCoating, NodeId),
     ClearCoat(ClearCoat, NodeId),
+    Sheen(Sheen, NodeId),
     /// No surface: a collision inside of a medium.
     Collision(Collision),
 }
@@ -131,6 +133,7 @@ impl Tree {
             Node::Coating(c, inner) => c.eval_pdf(&self.at(*inner), wo, wi, transport),
             Node::RoughCoating(c, inner) => c.eval_pdf(&self.at(*inner), wo, wi, transport),
             Node::ClearCoat(c, inner) => c.eval_pdf(&self.at(*inner), wo, wi, transport),
+            Node::Sheen(s, inner) => s.eval_pdf(&self.at(*inner), wo, wi, transport),
         }
     }
 
@@ -159,6 +162,7 @@ impl Tree {
             Node::Coating(c, inner) => c.sample(&self.at(*inner), wo, (u_lobe, u), transport),
             Node::RoughCoating(c, inner) => c.sample(&self.at(*inner), wo, (u_lobe, u), transport),
             Node::ClearCoat(c, inner) => c.sample(&self.at(*inner), wo, (u_lobe, u), transport),
+            Node::Sheen(s, inner) => s.sample(&self.at(*inner), wo, (u_lobe, u), transport),
         }
     }
 
@@ -213,6 +217,7 @@ impl Tree {
             Node::Coating(_, inner) => self.flags(*inner) | Coating::FLAGS,
             Node::RoughCoating(_, inner) => self.flags(*inner) | RoughCoating::FLAGS,
             Node::ClearCoat(_, inner) => self.flags(*inner) | ClearCoat::FLAGS,
+            Node::Sheen(_, inner) => self.flags(*inner) | Sheen::FLAGS,
         }
     }
 
@@ -229,7 +234,8 @@ impl Tree {
             }
             &Node::Coating(_, inner)
             | &Node::RoughCoating(_, inner)
-            | &Node::ClearCoat(_, inner) => self.albedo(inner),
+            | &Node::ClearCoat(_, inner)
+            | &Node::Sheen(_, inner) => self.albedo(inner),
         }
     }
 
@@ -247,7 +253,8 @@ impl Tree {
             }
             &Node::Coating(_, inner)
             | &Node::RoughCoating(_, inner)
-            | &Node::ClearCoat(_, inner) => self.normal(inner),
+            | &Node::ClearCoat(_, inner)
+            | &Node::Sheen(_, inner) => self.normal(inner),
         }
     }
 
@@ -257,9 +264,10 @@ impl Tree {
             Node::Leaf(lobe) => lobe.roughness(),
             Node::Black => None,
             Node::Collision(collision) => Some(collision.roughness()),
-            &Node::Flipped(inner) | &Node::Perturbed(_, inner) | &Node::Coating(_, inner) => {
-                self.roughness(inner)
-            }
+            &Node::Flipped(inner)
+            | &Node::Perturbed(_, inner)
+            | &Node::Coating(_, inner)
+            | &Node::Sheen(_, inner) => self.roughness(inner),
             Node::Mix(mix) => smaller(self.roughness(mix.first), self.roughness(mix.second)),
             Node::RoughCoating(c, inner) => smaller(Some(c.alpha()), self.roughness(*inner)),
             Node::ClearCoat(c, inner) => smaller(Some(c.alpha()), self.roughness(*inner)),

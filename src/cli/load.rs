@@ -51,7 +51,9 @@ impl Loaded {
         let bitmaps = bitmaps.iter().map(|b| b.settings().path.clone());
         let emitters = self.description.emitters.iter();
         let around = emitters.filter_map(|emitter| match emitter {
-            Emitter::EnvironmentMap { image, .. } => Some(image.path().to_owned()),
+            Emitter::EnvironmentMap { image, .. } | Emitter::Goniometric { image, .. } => {
+                Some(image.path().to_owned())
+            }
             _ => None,
         });
         bitmaps.chain(around).collect()

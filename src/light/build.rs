@@ -5,6 +5,7 @@ use super::beside;
 use super::cluster::Cluster;
 use super::distant::Distant;
 use super::emission::Sources;
+use super::goniometric::Goniometric;
 use super::leaf::Leaf;
 use super::point::PointLight;
 use super::projector::Projector;
@@ -114,6 +115,21 @@ impl Gathered {
                 let projector = Projector::new(to_world, (slide, values), scale, shape);
                 self.add_delta(id, Leaf::Projector(Box::new(projector)));
             }
+            Emitter::Goniometric {
+                to_world,
+                image,
+                intensity,
+            } => {
+                let image = Arc::unwrap_or_clone(image);
+                if let Some(intensity) = image.into_map(sanitized(intensity), &to_world) {
+                    let position = to_world.translation.into();
+                    let light = Goniometric {
+                        position,
+                        intensity,
+                    };
+                    self.add_delta(id, Leaf::Goniometric(Box::new(light)));
+                }
+            }
             other => self.add_distant(id, other),
         }
         self.areas.push(area);
@@ -160,7 +176,7 @@ impl Gathered {
                 to_world,
             } => {
                 let image = Arc::unwrap_or_clone(image);
-                let map = image.into_map(scale, &to_world);
+                let map = image.into_map(Rgb::splat(scale), &to_world);
                 let map = map.map(|m| (id, Distant::Map(Box::new(m))));
                 self.distant.extend(map);
             }
@@ -175,7 +191,8 @@ impl Gathered {
             Emitter::Area { .. }
             | Emitter::Point { .. }
             | Emitter::Spot { .. }
-            | Emitter::Projector { .. } => {}
+            | Emitter::Projector { .. }
+            | Emitter::Goniometric { .. } => {}
         }
     }
 }

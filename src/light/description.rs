@@ -116,6 +116,16 @@ pub enum Emitter {
         /// Emitter's coordinates to world.
         to_world: Affine3A,
     },
+    /// A point whose intensity follows an image over directions.
+    Goniometric {
+        /// Local to world; the light stands at the origin. The image's directions are those of
+        /// [`Emitter::EnvironmentMap`], seen from the light.
+        to_world: Affine3A,
+        /// The image.
+        image: Arc<EnvironmentImage>,
+        /// Power per solid angle where the image is 1.
+        intensity: Rgb,
+    },
     /// A slide projector.
     Projector {
         /// Local to world: projects along local +z.

@@ -96,6 +96,7 @@ fn power(leaf: &Leaf, radiance: Rgb, target: &Target) -> f32 {
             l.intensity(local) * (TAU * l.one_minus_cos_cutoff())
         }),
         Leaf::Projector(l) => mean_power(|u| l.slide(u) * l.slide_area()),
+        Leaf::Goniometric(l) => selection_weight(l.power()),
         Leaf::Triangle(_) | Leaf::Quad(_) | Leaf::Sphere(_) | Leaf::Analytic(_) => {
             projected_angle(leaf, target) * leaf.area() * selection_weight(radiance)
         }
@@ -204,6 +205,10 @@ impl Lights {
                     l.to_world * l.through(towards),
                     power,
                 ))
+            }
+            Leaf::Goniometric(l) => {
+                let (dir, power) = l.sample(towards)?;
+                Some(from_point(l.position, dir, power))
             }
             Leaf::Triangle(_) | Leaf::Quad(_) | Leaf::Sphere(_) | Leaf::Analytic(_) => {
                 let area = self.areas[emitter as usize].as_ref()?;

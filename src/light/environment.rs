@@ -32,6 +32,7 @@ pub struct EnvironmentImage {
     path: PathBuf,
     gamma: Option<f32>,
     layout: Layout,
+    is_grey: bool,
     size: [usize; 2],
     pixels: Vec<Rgb>,
     oddities: Vec<String>,
@@ -44,6 +45,7 @@ impl std::fmt::Debug for EnvironmentImage {
             .field("path", &self.path)
             .field("gamma", &self.gamma)
             .field("layout", &self.layout)
+            .field("is_grey", &self.is_grey)
             .field("size", &self.size)
             .finish_non_exhaustive()
     }
@@ -77,6 +79,7 @@ impl EnvironmentImage {
             path: path.to_owned(),
             gamma,
             layout: Layout::LatLong,
+            is_grey: false,
             size: [whole.width as usize, whole.height as usize],
             pixels: Vec::new(),
             oddities: Vec::new(),
@@ -114,6 +117,27 @@ impl EnvironmentImage {
     pub fn illuminance(&self, up: Vec3) -> f32 {
         let map = LatLong::new(self.size, self.pixels.clone(), PI, Mat3::IDENTITY);
         map.map_or(0.0, |map| map.illuminance(up))
+    }
+
+    /// The same with the mean of its channels in each, as pbrt takes images of how strong light is.
+    pub fn channel_means(&self) -> Self {
+        let mut grey = self.clone();
+        for pixel in &mut grey.pixels {
+            *pixel = Rgb::splat(pixel.element_sum() / 3.0);
+        }
+        grey.is_grey = true;
+        grey
+    }
+
+    /// Whether it is the result of [`EnvironmentImage::channel_means`].
+    pub fn is_grey(&self) -> bool {
+        self.is_grey
+    }
+
+    /// The mean over all directions.
+    pub fn mean(&self) -> Rgb {
+        let map = LatLong::new(self.size, self.pixels.clone(), PI, Mat3::IDENTITY);
+        map.map_or(Rgb::ZERO, |map| map.integral() / (4.0 * PI))
     }
 
     /// How the file lays directions out.
@@ -205,7 +229,7 @@ impl EnvironmentImage {
     }
 
     /// The map, if it is not black.
-    pub(super) fn into_map(mut self, scale: f32, to_world: &Affine3A) -> Option<LatLong> {
+    pub(super) fn into_map(mut self, scale: Rgb, to_world: &Affine3A) -> Option<LatLong> {
         for pixel in &mut self.pixels {
             *pixel = sanitized(*pixel * scale);
         }

@@ -2,6 +2,7 @@
 
 use super::analytic::AnalyticArea;
 use super::cluster::Cluster;
+use super::goniometric::Goniometric;
 use super::incident::{DeltaIncident, EmitterPlace, Incident};
 use super::point::PointLight;
 use super::projector::Projector;
@@ -21,6 +22,7 @@ pub(super) enum Leaf {
     Point(PointLight),
     Spot(Box<Spot>),
     Projector(Box<Projector>),
+    Goniometric(Box<Goniometric>),
 }
 
 impl Leaf {
@@ -34,6 +36,7 @@ impl Leaf {
             Leaf::Point(l) => l.cluster(),
             Leaf::Spot(l) => l.cluster(),
             Leaf::Projector(l) => l.cluster(),
+            Leaf::Goniometric(l) => l.cluster(),
         }
     }
 
@@ -44,7 +47,7 @@ impl Leaf {
             Leaf::Quad(l) => l.area(),
             Leaf::Sphere(l) => l.area(),
             Leaf::Analytic(l) => l.area(),
-            Leaf::Point(_) | Leaf::Spot(_) | Leaf::Projector(_) => 0.0,
+            Leaf::Point(_) | Leaf::Spot(_) | Leaf::Projector(_) | Leaf::Goniometric(_) => 0.0,
         }
     }
 
@@ -56,7 +59,7 @@ impl Leaf {
             Leaf::Quad(l) => l.sample(p, u),
             Leaf::Sphere(l) => l.sample(p, u),
             Leaf::Analytic(l) => l.sample(p, u),
-            Leaf::Point(_) | Leaf::Spot(_) | Leaf::Projector(_) => None,
+            Leaf::Point(_) | Leaf::Spot(_) | Leaf::Projector(_) | Leaf::Goniometric(_) => None,
         }
     }
 
@@ -67,6 +70,7 @@ impl Leaf {
             Leaf::Point(l) => l.incident(p),
             Leaf::Spot(l) => l.incident(p),
             Leaf::Projector(l) => l.incident(p),
+            Leaf::Goniometric(l) => l.incident(p),
             _ => None,
         }
     }
@@ -80,7 +84,7 @@ impl Leaf {
             Leaf::Quad(l) => l.pdf(p, q),
             Leaf::Sphere(l) => l.pdf(p, q),
             Leaf::Analytic(l) => l.pdf(p, q, ng),
-            Leaf::Point(_) | Leaf::Spot(_) | Leaf::Projector(_) => 0.0,
+            Leaf::Point(_) | Leaf::Spot(_) | Leaf::Projector(_) | Leaf::Goniometric(_) => 0.0,
         }
     }
 
@@ -103,7 +107,7 @@ impl Leaf {
                 let (p, n, density) = l.point(u);
                 (p, n, density, EmitterPlace::Surface)
             }
-            Leaf::Point(_) | Leaf::Spot(_) | Leaf::Projector(_) => {
+            Leaf::Point(_) | Leaf::Spot(_) | Leaf::Projector(_) | Leaf::Goniometric(_) => {
                 (Vec3::ZERO, Vec3::ZERO, 0.0, EmitterPlace::Surface)
             }
         }

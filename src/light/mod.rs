@@ -26,6 +26,7 @@ mod distant;
 mod emission;
 mod environment;
 mod equal_area;
+mod goniometric;
 mod incident;
 mod latlong;
 mod leaf;

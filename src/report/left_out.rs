@@ -102,7 +102,10 @@ fn light_tree(description: &Description) -> Option<LeftOut> {
             Geometry::Mesh(mesh) => Some(mesh.triangles.triangles().len()),
             Geometry::Analytic(_) => Some(1),
         },
-        Emitter::Point { .. } | Emitter::Spot { .. } | Emitter::Projector { .. } => Some(1),
+        Emitter::Point { .. }
+        | Emitter::Spot { .. }
+        | Emitter::Projector { .. }
+        | Emitter::Goniometric { .. } => Some(1),
         _ => None,
     };
     let count: usize = description.emitters.iter().filter_map(leaves).sum();

@@ -20,6 +20,7 @@ pub fn emitter(emitter: &Emitter) -> &'static str {
             _ => "sunsky",
         },
         Emitter::Projector { .. } => "projector",
+        Emitter::Goniometric { .. } => "goniometric",
     }
 }
 

@@ -149,19 +149,34 @@ impl Print {
     }
 
     fn emitter(&mut self, emitter: &Emitter) -> io::Result<()> {
-        let Emitter::EnvironmentMap {
-            image,
-            scale,
-            to_world,
-        } = emitter
-        else {
-            self.text(format_args!("{emitter:?}"));
-            return Ok(());
+        let image = match emitter {
+            Emitter::EnvironmentMap {
+                image,
+                scale,
+                to_world,
+            } => {
+                let (gamma, layout) = (image.gamma(), image.layout());
+                self.text(format_args!(
+                    "environment {scale} {to_world:?} {gamma:?} {layout:?}"
+                ));
+                image
+            }
+            Emitter::Goniometric {
+                image,
+                intensity,
+                to_world,
+            } => {
+                let (layout, grey) = (image.layout(), image.is_grey());
+                self.text(format_args!(
+                    "goniometric {intensity} {to_world:?} {layout:?} {grey}"
+                ));
+                image
+            }
+            other => {
+                self.text(format_args!("{other:?}"));
+                return Ok(());
+            }
         };
-        let (gamma, layout) = (image.gamma(), image.layout());
-        self.text(format_args!(
-            "environment {scale} {to_world:?} {gamma:?} {layout:?}"
-        ));
         self.file(image.path())
     }
 

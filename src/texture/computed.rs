@@ -1,6 +1,6 @@
 //! Textures computed from others, from texture coordinates, or from where a point is.
 
-use super::noise::{Octaves, fbm, turbulence};
+use super::noise::{DOTTED, Octaves, fbm, in_polka_dot, turbulence};
 use super::{SurfacePoint, Texture, UvTransform};
 use crate::math::{Affine3A, Rgb, Vec2, Vec3, luminance};
 use glam::FloatExt;
@@ -29,6 +29,8 @@ pub enum Computed {
     },
     /// The square root of another texture, channel by channel; 0 where that is negative.
     SquareRoot(Texture),
+    /// The mean of the three channels of another texture, as a grey.
+    ChannelMean(Texture),
     /// Bilinear between values at the corners of the unit square.
     Bilinear {
         /// Values at (u, v) = (0, 0), (0, 1), (1, 0), (1, 1).
@@ -44,6 +46,15 @@ pub enum Computed {
         second: Texture,
         /// World space to the space of the cubes.
         to_texture: Affine3A,
+    },
+    /// Dots in two in five of the unit cells of the plane.
+    Dots {
+        /// Value in dots.
+        inside: Texture,
+        /// Value between them.
+        outside: Texture,
+        /// Placement.
+        to_uv: UvTransform,
     },
     /// Noise in space.
     Noise {
@@ -98,6 +109,7 @@ impl Computed {
                 across.eval(point).lerp(along.eval(point), amount)
             }
             Self::SquareRoot(inner) => root(inner.eval(point)),
+            Self::ChannelMean(inner) => channel_mean(inner.eval(point)),
             Self::Bilinear { corners, to_uv } => bilinear(corners, to_uv, point.uv),
             Self::Cubes {
                 first,
@@ -106,6 +118,14 @@ impl Computed {
             } => match is_even(to_texture.transform_point3(point.p)) {
                 true => first.eval(point),
                 false => second.eval(point),
+            },
+            Self::Dots {
+                inside,
+                outside,
+                to_uv,
+            } => match in_polka_dot(to_uv.0.transform_point2(point.uv)) {
+                true => inside.eval(point),
+                false => outside.eval(point),
             },
             Self::Noise { kind, to_texture } => {
                 let p = to_texture.transform_point3(point.p);
@@ -145,8 +165,12 @@ impl Computed {
             // |cos| of directions that are uniform on the sphere is a half on average.
             Self::DirectionMix { along, across, .. } => (along.mean() + across.mean()) * 0.5,
             Self::SquareRoot(inner) => root(inner.mean()),
+            Self::ChannelMean(inner) => channel_mean(inner.mean()),
             Self::Bilinear { corners, .. } => corners.iter().sum::<Rgb>() * 0.25,
             Self::Cubes { first, second, .. } => (first.mean() + second.mean()) * 0.5,
+            Self::Dots {
+                inside, outside, ..
+            } => outside.mean().lerp(inside.mean(), DOTTED),
             Self::Noise { kind, .. } => kind.mean(),
         }
     }
@@ -163,6 +187,7 @@ impl Computed {
                 Some(first.constant()?.lerp(second.constant()?, amount))
             }
             Self::SquareRoot(inner) => inner.constant().map(root),
+            Self::ChannelMean(inner) => inner.constant().map(channel_mean),
             _ => None,
         }
     }
@@ -173,9 +198,13 @@ impl Computed {
             Self::Mix { first, second, .. } => first.largest()?.max(second.largest()?),
             Self::DirectionMix { along, across, .. } => along.largest()?.max(across.largest()?),
             Self::SquareRoot(inner) => inner.largest()?.max(0.0).sqrt(),
+            Self::ChannelMean(inner) => inner.largest()?,
             // Beyond the unit square it goes on.
             Self::Bilinear { .. } => return None,
             Self::Cubes { first, second, .. } => first.largest()?.max(second.largest()?),
+            Self::Dots {
+                inside, outside, ..
+            } => inside.largest()?.max(outside.largest()?),
             Self::Noise { kind, .. } => kind.largest(),
         })
     }
@@ -189,6 +218,7 @@ impl Computed {
                 amount,
             } => amount.constant().is_some() && first.averages() && second.averages(),
             Self::Bilinear { .. } => true,
+            Self::ChannelMean(inner) => inner.averages(),
             _ => self.inner().iter().all(|t| t.constant().is_some()) && self.constant().is_some(),
         }
     }
@@ -202,20 +232,28 @@ impl Computed {
                 amount,
             } => vec![first, second, amount],
             Self::DirectionMix { along, across, .. } => vec![along, across],
-            Self::SquareRoot(inner) => vec![inner],
+            Self::SquareRoot(inner) | Self::ChannelMean(inner) => vec![inner],
             Self::Cubes { first, second, .. } => vec![first, second],
+            Self::Dots {
+                inside, outside, ..
+            } => vec![inside, outside],
             Self::Bilinear { .. } | Self::Noise { .. } => vec![],
         }
     }
 
     /// Whether it reads texture coordinates itself.
     pub fn reads_uvs(&self) -> bool {
-        matches!(self, Self::Bilinear { .. })
+        matches!(self, Self::Bilinear { .. } | Self::Dots { .. })
     }
 }
 
 fn root(c: Rgb) -> Rgb {
     c.max(Rgb::ZERO).map(f32::sqrt)
+}
+
+/// Luminance weighs channels; what is no colour has no such weights.
+fn channel_mean(c: Rgb) -> Rgb {
+    Rgb::splat(c.element_sum() / 3.0)
 }
 
 fn bilinear(corners: &[Rgb; 4], to_uv: &UvTransform, uv: Vec2) -> Rgb {

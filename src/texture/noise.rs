@@ -1,7 +1,7 @@
 //! Gradient noise (Perlin, "Improving Noise", SIGGRAPH 2002) and sums of it.
 
-use crate::math::Vec3;
 use crate::math::special::smoothstep;
+use crate::math::{Vec2, Vec3};
 use glam::FloatExt;
 
 /// How much detail noise has.
@@ -116,6 +116,24 @@ pub fn turbulence(p: Vec3, width: f32, octaves: &Octaves) -> f32 {
     sum
 }
 
+/// Whether a place of the plane lies in one of pbrt's polka dots: two in five of the unit cells
+/// around integers hold a dot of radius [`DOT`], moved so that it stays inside (the book, 3rd edition,
+/// section 10.5.2).
+pub fn in_polka_dot(st: Vec2) -> bool {
+    let cell = (st + 0.5).floor();
+    let at = |x: f32, y: f32| noise(Vec3::new(cell.x + x, cell.y + y, 0.5));
+    if at(0.5, 0.5) <= 0.0 {
+        return false;
+    }
+    let shift = Vec2::new(at(1.5, 2.8), at(4.5, 9.8)) * (0.5 - DOT);
+    (st - cell - shift).length_squared() < DOT * DOT
+}
+
+/// Radius of a polka dot.
+const DOT: f32 = 0.35;
+/// Share of the plane that dots cover: in the middle of 39.6 % of all cells noise is above 0.
+pub const DOTTED: f32 = 0.396 * std::f32::consts::PI * DOT * DOT;
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -190,6 +208,35 @@ mod tests {
         let expected = row(0) + (row(1) - row(0)) * fade(y);
         let found = noise(Vec3::new(x, y, 0.0));
         assert!((found - expected).abs() < 1e-6, "{found} {expected}");
+    }
+
+    /// Dots cover their share, none leaves its cell, and there is one where the book's formula says.
+    #[test]
+    fn polka_dots_cover_their_share() {
+        const SIDE: u16 = 1000;
+        let mut inside = 0;
+        for (i, j) in (0..SIDE).flat_map(|i| (0..SIDE).map(move |j| (i, j))) {
+            let at = Vec2::new(f32::from(i), f32::from(j)) * 0.1;
+            inside += u32::from(in_polka_dot(at));
+        }
+        let share = inside as f32 / 1e6;
+        assert!((share / DOTTED - 1.0).abs() < 0.01, "{share} for {DOTTED}");
+        for (i, j) in (0..30u8).flat_map(|i| (0..30u8).map(move |j| (i, j))) {
+            let cell = Vec2::new(f32::from(i), f32::from(j));
+            let border = (0..20u8).map(|k| f32::from(k) / 20.0 - 0.5);
+            assert!(
+                border
+                    .clone()
+                    .all(|x| !in_polka_dot(cell + Vec2::new(x, 0.499)))
+            );
+            assert!(
+                border
+                    .clone()
+                    .all(|y| !in_polka_dot(cell + Vec2::new(0.499, y)))
+            );
+            let present = noise(Vec3::new(cell.x + 0.5, cell.y + 0.5, 0.5)) > 0.0;
+            assert_eq!(in_polka_dot(cell), present, "{cell}");
+        }
     }
 
     #[test]

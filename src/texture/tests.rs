@@ -3,7 +3,7 @@
 use super::curve::Curve;
 use super::*;
 use crate::image::{Image, PixelType, WriteOptions, write};
-use crate::math::Pcg32;
+use crate::math::{Pcg32, Vec2, Vec3};
 use std::path::{Path, PathBuf};
 
 mod opening;

@@ -1,8 +1,10 @@
-//! `coateddiffuse` beside pbrt's own definition of it: a random walk between a dielectric interface
-//! and a diffuse base ("Physically Based Rendering", 4th edition, section 14.3).
+//! `coateddiffuse` and `coatedconductor` beside pbrt's own definition of them: a random walk between
+//! a dielectric interface and a base ("Physically Based Rendering", 4th edition, section 14.3).
 
 use super::stage::Stage;
-use twintree::bsdf::material::{Dielectric, Distribution, RoughDielectric, Roughness, white};
+use twintree::bsdf::material::{
+    Conductor, Dielectric, Distribution, RoughConductor, RoughDielectric, Roughness, white,
+};
 use twintree::bsdf::{LobeFlags, MaterialId, Materials, Transport};
 use twintree::math::warp::cosine_hemisphere;
 use twintree::math::{Pcg32, Rgb, Vec2, Vec3};
@@ -32,8 +34,11 @@ fn scattered(
     Some((sample.wi, sample.weight.x, through))
 }
 
-/// Light that returns from a walk that begins at `wo`, of a base of this reflectance.
-fn walk(coat: &(Materials, MaterialId), base: f32, wo: Vec3, rng: &mut Pcg32) -> f32 {
+/// Where a base sends light that goes down along `w`, and the part of it that it sends.
+type Base<'b> = dyn Fn(Vec3, &mut Pcg32) -> Option<(Vec3, f32)> + 'b;
+
+/// Light that returns from a walk that begins at `wo`.
+fn walk(coat: &(Materials, MaterialId), base: &Base, wo: Vec3, rng: &mut Pcg32) -> f32 {
     let Some((mut w, mut light, through)) = scattered(&coat.0, coat.1, wo, rng) else {
         return 0.0;
     };
@@ -43,8 +48,11 @@ fn walk(coat: &(Materials, MaterialId), base: f32, wo: Vec3, rng: &mut Pcg32) ->
     for bounce in 0..BOUNCES {
         light *= (-THICKNESS / w.z.abs()).exp();
         if bounce % 2 == 0 {
-            light *= base;
-            w = cosine_hemisphere(pair(rng));
+            let Some((next, weight)) = base(w, rng) else {
+                return 0.0;
+            };
+            light *= weight;
+            w = next;
             continue;
         }
         let Some((next, weight, through)) = scattered(&coat.0, coat.1, -w, rng) else {
@@ -59,6 +67,14 @@ fn walk(coat: &(Materials, MaterialId), base: f32, wo: Vec3, rng: &mut Pcg32) ->
     0.0
 }
 
+fn facets(alpha: f32) -> Roughness {
+    Roughness {
+        distribution: Distribution::Ggx,
+        alpha_u: Texture::Constant(Rgb::splat(alpha)),
+        alpha_v: Texture::Constant(Rgb::splat(alpha)),
+    }
+}
+
 fn interface(alpha: f32) -> (Materials, MaterialId) {
     let mut materials = Materials::default();
     let id = match alpha > 0.0 {
@@ -69,11 +85,7 @@ fn interface(alpha: f32) -> (Materials, MaterialId) {
         }),
         true => materials.push(RoughDielectric {
             eta: 1.5,
-            roughness: Roughness {
-                distribution: Distribution::Ggx,
-                alpha_u: Texture::Constant(Rgb::splat(alpha)),
-                alpha_v: Texture::Constant(Rgb::splat(alpha)),
-            },
+            roughness: facets(alpha),
             specular_reflectance: white(),
             specular_transmittance: white(),
         }),
@@ -107,7 +119,8 @@ fn coated_diffuse_is_near_to_pbrts_random_walk() {
             let (mut ours, mut theirs) = (0.0, 0.0);
             for _ in 0..WALKS {
                 ours += scattered(&d.materials, material, wo, &mut rng).map_or(0.0, |s| s.1);
-                theirs += walk(&coat, base, wo, &mut rng);
+                let diffuse = |_, rng: &mut Pcg32| Some((cosine_hemisphere(pair(rng)), base));
+                theirs += walk(&coat, &diffuse, wo, &mut rng);
             }
             let off = ours / theirs - 1.0;
             println!(
@@ -123,4 +136,75 @@ fn coated_diffuse_is_near_to_pbrts_random_walk() {
     println!("worst, smooth and rough: {worst:?}");
     // Of a smooth coat more is left when pbrt gives up a walk after ten bounces.
     assert!(worst[0] < 0.045 && worst[1] < 0.025, "{worst:?}");
+}
+
+/// A metal seen from within the coat.
+fn metal(constants: [f32; 2], alpha: f32) -> (Materials, MaterialId) {
+    let mut materials = Materials::default();
+    let [eta, k] = constants.map(|x| Texture::Constant(Rgb::splat(x / 1.5)));
+    let specular_reflectance = white();
+    let id = match alpha > 0.0 {
+        false => materials.push(Conductor {
+            eta,
+            k,
+            specular_reflectance,
+        }),
+        true => materials.push(RoughConductor {
+            eta,
+            k,
+            roughness: facets(alpha),
+            specular_reflectance,
+        }),
+    };
+    (materials, id)
+}
+
+/// The same of metals under a coat: copper in green, silver in red, tungsten.
+#[test]
+fn coated_conductor_is_near_to_pbrts_random_walk() {
+    let stage = Stage::new();
+    let mut rng = Pcg32::new(12, 1);
+    let (mut worst, mut sum) = (0.0f32, 0.0);
+    let roughnesses = [0.0f32, 0.04, 0.25];
+    let pairs = roughnesses.map(|coat| roughnesses.map(|base| (coat, base)));
+    for ([eta, k], (coat, base)) in [[0.98f32, 2.62], [0.13, 4.1], [3.5, 2.7]]
+        .into_iter()
+        .flat_map(|metal| pairs.concat().into_iter().map(move |pair| (metal, pair)))
+    {
+        stage.write(
+            "scene.pbrt",
+            format!(
+                "WorldBegin Material \"coatedconductor\" \"rgb conductor.eta\" [{eta} {eta} {eta}]
+                 \"rgb conductor.k\" [{k} {k} {k}] \"float interface.roughness\" {coat}
+                 \"float conductor.roughness\" {base} Shape \"sphere\""
+            ),
+        );
+        let d = stage.load("scene.pbrt");
+        let material = d.shapes[0].material;
+        let (interface, metal) = (interface(coat.sqrt()), metal([eta, k], base.sqrt()));
+        for cos in [0.3f32, 0.6, 0.95] {
+            let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
+            let (mut ours, mut theirs) = (0.0, 0.0);
+            for _ in 0..WALKS {
+                ours += scattered(&d.materials, material, wo, &mut rng).map_or(0.0, |s| s.1);
+                let below = |w: Vec3, rng: &mut Pcg32| {
+                    let (next, weight, _) = scattered(&metal.0, metal.1, -w, rng)?;
+                    Some((next, weight))
+                };
+                theirs += walk(&interface, &below, wo, &mut rng);
+            }
+            let off = ours / theirs - 1.0;
+            println!(
+                "eta {eta} coat {coat} metal {base} cos {cos}: {:.4} for {:.4}, {:+.1} %",
+                ours / WALKS as f32,
+                theirs / WALKS as f32,
+                off * 100.0
+            );
+            worst = worst.max(off.abs());
+            sum += off.abs();
+        }
+    }
+    let mean = sum / 81.0;
+    println!("worst: {worst}, mean: {mean}");
+    assert!(worst < 0.18 && mean < 0.05, "{worst} {mean}");
 }

@@ -4,6 +4,10 @@
 mod support;
 
 mod agreement;
+mod agreement_images;
+mod agreement_v3;
 mod coated;
 mod hostile;
+mod pair;
 mod stage;
+mod told;

@@ -177,6 +177,16 @@ pub(super) fn add(materials: &mut Materials, name: &str) -> MaterialId {
             roughness: grey(0.4),
             inner: inner("principled_glass"),
         },
+        "sheen" => Material::Sheen {
+            color: Texture::Constant(Rgb::new(0.9, 0.5, 0.2)),
+            roughness: grey(0.4),
+            inner: inner("metallic_roughness"),
+        },
+        "sheen_over_glass" => Material::Sheen {
+            color: grey(1.0),
+            roughness: grey(0.9),
+            inner: inner("principled_glass"),
+        },
         _ => panic!("no model of the name {name}"),
     };
     materials.push(material)
@@ -205,6 +215,8 @@ pub(super) fn smooth() -> Vec<&'static str> {
         "rough_coated_diffuse",
         "clear_coat",
         "clear_coat_over_glass",
+        "sheen",
+        "sheen_over_glass",
     ];
     examples(true).chain(around).collect()
 }

@@ -2,6 +2,7 @@
 
 use super::scenes::*;
 use super::*;
+use crate::image::decoded::DecodeLimit;
 use std::f32::consts::PI;
 
 fn numbers<const N: usize>(rng: &mut Pcg32) -> [f32; N] {
@@ -62,6 +63,20 @@ fn photons_carry_the_power_of_their_light() {
         &long,
         3.0 * PI * 2.0 * PI * (1.0 + 2.0 / e * e.asin()),
     );
+}
+
+/// An image of latitude by longitude that is brighter towards +x than towards -x, with a mean of 1.
+fn lobe() -> EnvironmentImage {
+    let file = tempfile::Builder::new().suffix(".exr").tempfile().unwrap();
+    let (width, height) = (256, 129);
+    let value = |x: usize, y: usize| {
+        let phi = (x as f32 + 0.5) * (2.0 * PI / width as f32);
+        let theta = y as f32 * (PI / (height - 1) as f32);
+        let v = 1.0 + 0.8 * phi.sin() * theta.sin();
+        (v, v, v)
+    };
+    exr::prelude::write_rgb_file(file.path(), width, height, value).unwrap();
+    EnvironmentImage::read(file.path(), None, DecodeLimit::default()).unwrap()
 }
 
 /// Emitters without a surface, each with its power on the scene.
@@ -128,6 +143,15 @@ fn others() -> Vec<(&'static str, Emitter, f32)> {
                 aspect: 2.0,
             },
             1.5 * PI * 2.0,
+        ),
+        (
+            "goniometric",
+            Emitter::Goniometric {
+                to_world: placed(Vec3::ONE, Vec3::new(-2.0, 1.0, 3.0)),
+                image: Arc::new(lobe()),
+                intensity: Rgb::splat(2.0),
+            },
+            8.0 * PI,
         ),
         (
             "directional",

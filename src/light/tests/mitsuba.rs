@@ -211,7 +211,7 @@ fn a_clipped_sun_shines() {
         all.contains("1 texels are infinite") && all.contains("65504"),
         "{all}"
     );
-    let map = image.into_map(1.0, &Affine3A::IDENTITY).unwrap();
+    let map = image.into_map(Rgb::ONE, &Affine3A::IDENTITY).unwrap();
     let brightest = map.integral();
     assert!(brightest.x > 1000.0 && brightest.z < 10.0, "{brightest}");
 }

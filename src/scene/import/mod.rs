@@ -19,6 +19,7 @@ pub mod parts;
 pub mod pbrt;
 pub mod spectrum;
 mod spectrum_tables;
+pub mod told;
 
 pub use options::{ImportOptions, LoadMesh, OpenTexture};
 

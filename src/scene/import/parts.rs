@@ -1,6 +1,7 @@
 //! What model files are made of, before a camera looks at it: importers of models add to the same
 //! [`Parts`], so several files make one scene.
 
+use super::told::Told;
 use crate::accel::Bounds;
 use crate::bsdf::Materials;
 use crate::camera::CameraDescription;
@@ -8,7 +9,7 @@ use crate::light::Emitter;
 use crate::math::{DAffine3, Vec3};
 use crate::medium::Media;
 use crate::scene::{Geometry, Shape};
-use std::collections::{BTreeMap, HashSet};
+use std::collections::BTreeMap;
 
 /// A camera that a model file brings along.
 #[derive(Clone, Debug)]
@@ -44,16 +45,13 @@ pub struct Parts {
     /// Cameras, in the order of the files.
     pub cameras: Vec<NamedCamera>,
     /// What was odd but not fatal, once each.
-    pub warnings: Vec<String>,
-    told: HashSet<String>,
+    pub warnings: Told,
 }
 
 impl Parts {
     /// Notes a warning, unless the same was noted before.
     pub fn warn(&mut self, warning: String) {
-        if self.told.insert(warning.clone()) {
-            self.warnings.push(warning);
-        }
+        self.warnings.tell(warning);
     }
 
     /// Adds an emitter under a name.

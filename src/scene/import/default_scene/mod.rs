@@ -99,7 +99,7 @@ impl Studio {
             },
             render: RenderDescription::default(),
             origin: DVec3::ZERO,
-            warnings: parts.warnings,
+            warnings: parts.warnings.into_list(),
         })
     }
 

@@ -8,7 +8,7 @@ use super::textures::{Use, uv_set};
 use super::volume;
 use crate::bsdf::material::{MetallicRoughness, Principled, PrincipledThin};
 use crate::bsdf::{Material, MaterialId};
-use crate::math::{Rgb, luminance};
+use crate::math::Rgb;
 use crate::scene::import::ImportError;
 use crate::texture::Texture;
 
@@ -17,7 +17,7 @@ fn number(value: f32) -> Texture {
 }
 
 impl Importer<'_> {
-    /// The model inside, and whether light passes through it.
+    /// What lies under a coat, and whether light passes through it.
     pub(super) fn body(
         &mut self,
         material: &schema::Material,
@@ -25,28 +25,38 @@ impl Importer<'_> {
         variant: Variant,
         of: &str,
     ) -> Result<(MaterialId, bool), ImportError> {
-        let sheen = self.sheen(material, of)?;
+        let (body, transmits) = self.bare(material, core, variant, of)?;
+        Ok((self.under_sheen(material, body, of)?, transmits))
+    }
+
+    /// The same without a sheen.
+    fn bare(
+        &mut self,
+        material: &schema::Material,
+        core: Core,
+        variant: Variant,
+        of: &str,
+    ) -> Result<(MaterialId, bool), ImportError> {
         let extension = Extension::of(&material.extensions, "KHR_materials_transmission");
         let factor = extension.map_or(0.0, |e| e.number("transmissionFactor", 0.0));
         let factor = self.fraction(&format!("{of}: transmissionFactor"), factor);
         let clear = extension.filter(|_| factor > 0.0);
         let Some(extension) = clear else {
-            return self.opaque(material, &core, sheen, variant, of);
+            return self.opaque(material, &core, variant, of);
         };
         self.tell_of_reflection(material, &format!("{of} lets light through"));
         let info = extension.texture("transmissionTexture");
         let share = self.textured(info.as_ref(), Use::Channel(0), Rgb::splat(factor))?;
-        let sheen = sheen.unwrap_or(number(0.0));
         if volume::thickness(material) > 0.0 {
-            let body = principled(&core, share, sheen);
+            let body = principled(&core, share);
             return Ok((self.push(body), true));
         }
-        let thin = self.push(thin(&core, share, sheen.clone()));
+        let thin = self.push(thin(&core, share));
         let metallic = core.metallic.clone();
         if metallic.constant() == Some(Rgb::ZERO) {
             return Ok((thin, true));
         }
-        let metal = self.push(principled(&core, number(0.0), sheen));
+        let metal = self.push(principled(&core, number(0.0)));
         let metal = self.push(Material::TwoSided {
             front: metal,
             back: metal,
@@ -64,16 +74,9 @@ impl Importer<'_> {
         &mut self,
         material: &schema::Material,
         core: &Core,
-        sheen: Option<Texture>,
         variant: Variant,
         of: &str,
     ) -> Result<(MaterialId, bool), ImportError> {
-        if let Some(sheen) = sheen {
-            // Sheen is known to `principled` alone.
-            self.tell_of_reflection(material, &format!("{of} has a sheen"));
-            let base = self.push(principled(core, number(0.0), sheen));
-            return Ok((self.beside_metal(base, core), false));
-        }
         let model = MetallicRoughness {
             specular: core.specular.clone(),
             specular_color: core.specular_color.clone(),
@@ -113,26 +116,34 @@ impl Importer<'_> {
         })
     }
 
-    /// Strength of the sheen, if there is one.
-    fn sheen(
+    /// `inner` under a sheen, if there is one.
+    fn under_sheen(
         &mut self,
         material: &schema::Material,
+        inner: MaterialId,
         of: &str,
-    ) -> Result<Option<Texture>, ImportError> {
+    ) -> Result<MaterialId, ImportError> {
         let Some(sheen) = Extension::of(&material.extensions, "KHR_materials_sheen") else {
-            return Ok(None);
+            return Ok(inner);
         };
         let color = sheen.color("sheenColorFactor", Rgb::ZERO);
         let color = self.tint(&format!("{of}: sheenColorFactor"), color);
         if color == Rgb::ZERO {
-            return Ok(None);
+            return Ok(inner);
         }
-        self.warn(format!(
-            "{of}: KHR_materials_sheen is approximated by Burley's sheen, of its luminance and of no roughness"
-        ));
-        let info = sheen.texture("sheenColorTexture");
-        let strength = Rgb::splat(luminance(color));
-        Ok(Some(self.textured(info.as_ref(), Use::Color, strength)?))
+        let roughness = sheen.number("sheenRoughnessFactor", 0.0);
+        let roughness = self.fraction(&format!("{of}: sheenRoughnessFactor"), roughness);
+        let (colors, map) = (
+            sheen.texture("sheenColorTexture"),
+            sheen.texture("sheenRoughnessTexture"),
+        );
+        let color = self.textured(colors.as_ref(), Use::Color, color)?;
+        let roughness = self.textured(map.as_ref(), Use::Channel(3), Rgb::splat(roughness))?;
+        Ok(self.push(Material::Sheen {
+            color,
+            roughness,
+            inner,
+        }))
     }
 
     /// Warns of what a material asks for and does not get.
@@ -154,7 +165,7 @@ impl Importer<'_> {
     }
 }
 
-fn principled(core: &Core, spec_trans: Texture, sheen: Texture) -> Material {
+fn principled(core: &Core, spec_trans: Texture) -> Material {
     Material::from(Principled {
         base_color: core.color.clone(),
         roughness: core.roughness.clone(),
@@ -163,7 +174,7 @@ fn principled(core: &Core, spec_trans: Texture, sheen: Texture) -> Material {
         spec_trans,
         eta: core.ior,
         spec_tint: number(0.0),
-        sheen,
+        sheen: number(0.0),
         sheen_tint: number(0.0),
         flatness: number(0.0),
         clearcoat: number(0.0),
@@ -174,7 +185,7 @@ fn principled(core: &Core, spec_trans: Texture, sheen: Texture) -> Material {
     })
 }
 
-fn thin(core: &Core, spec_trans: Texture, sheen: Texture) -> Material {
+fn thin(core: &Core, spec_trans: Texture) -> Material {
     Material::from(PrincipledThin {
         base_color: core.color.clone(),
         roughness: core.roughness.clone(),
@@ -182,7 +193,7 @@ fn thin(core: &Core, spec_trans: Texture, sheen: Texture) -> Material {
         spec_trans,
         eta: number(core.ior),
         spec_tint: number(0.0),
-        sheen,
+        sheen: number(0.0),
         sheen_tint: number(0.0),
         flatness: number(0.0),
         diff_trans: number(0.0),

@@ -88,7 +88,10 @@ const TEXTURES: [(&str, &[&str]); 8] = [
         "KHR_materials_specular",
         &["specularTexture", "specularColorTexture"],
     ),
-    ("KHR_materials_sheen", &["sheenColorTexture"]),
+    (
+        "KHR_materials_sheen",
+        &["sheenColorTexture", "sheenRoughnessTexture"],
+    ),
     ("KHR_materials_anisotropy", &["anisotropyTexture"]),
     (
         "KHR_materials_iridescence",

@@ -18,6 +18,7 @@ mod container;
 mod draco;
 mod extension;
 mod glossiness;
+mod images;
 mod ktx2;
 mod layers;
 mod lights;
@@ -45,11 +46,11 @@ use crate::math::DAffine3;
 use crate::medium::{Boundary, MediumId};
 use accessor::Accessors;
 use container::Container;
+use images::Images;
 use materials::{Finish, Variant};
 use schema::Document;
 use std::collections::HashMap;
 use std::path::Path;
-use textures::Images;
 
 /// What is shown of files that hold more than one look.
 #[derive(Clone, Debug, Default, PartialEq)]

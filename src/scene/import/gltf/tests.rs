@@ -18,6 +18,7 @@ use std::sync::{Arc, Mutex};
 
 mod broken;
 mod files;
+mod layers;
 mod looks;
 mod packed;
 mod placing;

@@ -113,7 +113,7 @@ impl Parameters for Asking<'_, '_> {
         if !exact {
             let at = self.p.place_of("distribution");
             let place = self.p.document().location(at);
-            self.importer.warn(format!(
+            self.importer.warnings.tell(format!(
                 "{place}: this distribution is rendered as \"beckmann\""
             ));
         }

@@ -29,6 +29,12 @@ impl<'a> Importer<'a> {
                 roughness: self.texture(p, "roughness", 0.0, Role::Reflectance),
                 inner: self.inner(p)?,
             }),
+            // glTF's fibres, likewise.
+            "sheen" => Ok(Material::Sheen {
+                color: self.texture(p, "color", 0.5, Role::Reflectance),
+                roughness: self.texture(p, "roughness", 0.3, Role::Reflectance),
+                inner: self.inner(p)?,
+            }),
             other => Err(p.error(format!("bsdf \"{other}\" is not supported"))),
         }
     }
@@ -146,7 +152,7 @@ impl<'a> Importer<'a> {
         }
         if sum > 1.001 {
             let place = self.document.location(at);
-            self.warn(format!(
+            self.warnings.tell(format!(
                 "{place}: the weights add up to {sum}; they were scaled to 1"
             ));
         }

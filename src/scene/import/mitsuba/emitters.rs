@@ -113,7 +113,8 @@ impl<'a> Importer<'a> {
             Ok(image) => {
                 let place = self.document.location(at);
                 for oddity in image.oddities() {
-                    self.warn(format!("{place}: {}: {oddity}", path.display()));
+                    self.warnings
+                        .tell(format!("{place}: {}: {oddity}", path.display()));
                 }
                 Ok(Emitter::EnvironmentMap {
                     image,
@@ -167,7 +168,8 @@ impl<'a> Importer<'a> {
         ] {
             if p.boolean(name, false) {
                 let place = self.document.location(p.place_of(name));
-                self.warn(format!("{place}: \"{name}\" is left out: {what}"));
+                self.warnings
+                    .tell(format!("{place}: \"{name}\" is left out: {what}"));
             }
         }
         let to_world = p.to_world();
@@ -228,7 +230,7 @@ impl<'a> Importer<'a> {
         let direction = if modern { sun.z_up() } else { sun.y_up() };
         if sun.zenith > std::f64::consts::FRAC_PI_2 {
             let place = self.document.location(p.at());
-            self.warn(format!(
+            self.warnings.tell(format!(
                 "{place}: the sun is below the horizon at this date and place"
             ));
         }

@@ -80,7 +80,7 @@ impl<'a> Importer<'a> {
             self.render.alpha = true;
         }
         if lower.contains("luminance") || lower.contains("xyz") || lower.contains("spectrum") {
-            self.warn(format!(
+            self.warnings.tell(format!(
                 "{place}: \"pixel_format\" is \"{format}\": images are R G B"
             ));
         }
@@ -92,7 +92,7 @@ impl<'a> Importer<'a> {
         let is_curve = method.eq_ignore_ascii_case("gamma");
         if !is_curve {
             let place = self.document.location(p.place_of("tonemap_method"));
-            self.warn(format!(
+            self.warnings.tell(format!(
                 "{place}: tone mapping by \"{method}\" is left out: values are written along the sRGB curve"
             ));
             p.ignore(&["key", "burn"]);
@@ -101,7 +101,7 @@ impl<'a> Importer<'a> {
         // -1 stands for sRGB, which a power of 2.2 is meant to be.
         if gamma >= 0.0 && (gamma - 2.2).abs() > 0.01 {
             let place = self.document.location(p.place_of("gamma"));
-            self.warn(format!(
+            self.warnings.tell(format!(
                 "{place}: \"gamma\" {gamma} is left out: values are written along the sRGB curve"
             ));
         }

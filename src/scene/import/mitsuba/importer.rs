@@ -10,9 +10,10 @@ use crate::light::{Emitter, EnvironmentImage};
 use crate::math::{DAffine3, DVec3};
 use crate::medium::{Media, MediumId};
 use crate::scene::description::RenderDescription;
+use crate::scene::import::told::Told;
 use crate::scene::import::{ImportError, ImportOptions, origin};
 use crate::texture::Texture;
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -20,8 +21,7 @@ use std::sync::Arc;
 pub(super) struct Importer<'a> {
     pub document: &'a Document,
     pub options: &'a ImportOptions,
-    pub warnings: Vec<String>,
-    told: HashSet<String>,
+    pub warnings: Told,
     /// How many objects without an id were called after the same word.
     called: HashMap<String, u32>,
     /// Steps through shapes and integrators that hold others.
@@ -73,8 +73,7 @@ impl<'a> Importer<'a> {
         Self {
             document,
             options,
-            warnings: Vec::new(),
-            told: HashSet::new(),
+            warnings: Told::default(),
             called: HashMap::new(),
             nested: 0,
             materials: Materials::default(),
@@ -157,22 +156,16 @@ impl<'a> Importer<'a> {
         let object = &self.document.objects[index];
         let place = self.document.location(object.at);
         let (tag, plugin) = (&object.tag, &object.plugin);
-        self.warn(format!(
+        self.warnings.tell(format!(
             "{place}: {tag} \"{plugin}\" is left out: the surface does not let light in"
         ));
     }
 
-    /// Remembers something odd. The same thing twice is told once.
-    pub fn warn(&mut self, warning: String) {
-        if self.told.insert(warning.clone()) {
-            self.warnings.push(warning);
-        }
-    }
-
     /// Ends reading an object: tells of parameters that nothing asked for.
     pub fn done(&mut self, params: &Params) {
-        for warning in params.unused() {
-            self.warn(warning);
-        }
+        params
+            .unused()
+            .into_iter()
+            .for_each(|w| self.warnings.tell(w));
     }
 }

@@ -58,5 +58,7 @@ fn replaced(importer: &mut Importer, p: &Params, what: &str) {
         format!("; ignored: {}", lost.join(", "))
     };
     let plugin = p.plugin();
-    importer.warn(format!("{place}: integrator \"{plugin}\" {what}{rest}"));
+    importer
+        .warnings
+        .tell(format!("{place}: integrator \"{plugin}\" {what}{rest}"));
 }

@@ -71,7 +71,9 @@ fn accept(
             };
             for warning in loaded.warnings {
                 let path = request.path.display();
-                importer.warn(format!("{place}: {path}: {warning}{left_out}"));
+                importer
+                    .warnings
+                    .tell(format!("{place}: {path}: {warning}{left_out}"));
             }
             (!is_empty).then_some(loaded.mesh)
         }

@@ -120,7 +120,7 @@ impl<'a> Importer<'a> {
             return Ok(given);
         }
         let place = self.document.location(p.place_of("to_world"));
-        self.warn(format!(
+        self.warnings.tell(format!(
             "{place}: the scale in the camera's transform is ignored"
         ));
         let mut unit = given;

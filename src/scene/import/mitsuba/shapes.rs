@@ -111,7 +111,7 @@ impl<'a> Importer<'a> {
             "directionalarea" => {
                 inner.ignore(&["radiance"]);
                 let place = self.document.location(inner.at());
-                self.warn(format!(
+                self.warnings.tell(format!(
                     "{place}: emitter \"directionalarea\" shines along its normals alone, where no path from a camera meets it: it is dark, as in Mitsuba's path tracers"
                 ));
                 None
@@ -192,7 +192,7 @@ impl<'a> Importer<'a> {
         };
         if size == 0.0 {
             let place = self.document.location(p.place_of("to_world"));
-            self.warn(format!(
+            self.warnings.tell(format!(
                 "{place}: this shape is flattened to nothing and will not be seen"
             ));
         }

@@ -54,7 +54,7 @@ impl<'a> Importer<'a> {
         };
         let place = || self.document.location(property.at).to_string();
         let (color, warning) = bounded(color, role, &property.written, place);
-        warning.into_iter().for_each(|w| self.warn(w));
+        warning.into_iter().for_each(|w| self.warnings.tell(w));
         Some(Texture::Constant(color))
     }
 
@@ -134,7 +134,7 @@ impl<'a> Importer<'a> {
             let object = &self.document.objects[index];
             let place = || self.document.location(object.at).to_string();
             let (color, warning) = bounded(color, role, &object.plugin, place);
-            warning.into_iter().for_each(|w| self.warn(w));
+            warning.into_iter().for_each(|w| self.warnings.tell(w));
             return Texture::Constant(color);
         }
         let largest = texture.largest();
@@ -145,7 +145,7 @@ impl<'a> Importer<'a> {
         if largest > 1.01 {
             let object = &self.document.objects[index];
             let (place, plugin) = (self.document.location(object.at), &object.plugin);
-            self.warn(format!(
+            self.warnings.tell(format!(
                 "{place}: this {plugin} reaches {largest}; as a reflectance it was cut to the range 0 to 1"
             ));
         }
@@ -201,7 +201,8 @@ impl<'a> Importer<'a> {
         if let Texture::Bitmap(bitmap) = &texture {
             let place = self.document.location(at);
             for oddity in bitmap.oddities() {
-                self.warn(format!("{place}: {}: {oddity}", path.display()));
+                self.warnings
+                    .tell(format!("{place}: {}: {oddity}", path.display()));
             }
         }
         Ok(texture)
@@ -218,7 +219,8 @@ impl<'a> Importer<'a> {
         let (wrap, exact) = params.choice(name, &modes)?;
         if !exact {
             let place = self.document.location(params.place_of(name));
-            self.warn(format!("{place}: this wrap mode is rendered as \"clamp\""));
+            self.warnings
+                .tell(format!("{place}: this wrap mode is rendered as \"clamp\""));
         }
         Some(wrap)
     }

@@ -30,7 +30,7 @@ fn import_from(
 ) -> Result<Description, ImportError> {
     let mut importer = Importer::new(document, options, origin, environments);
     for warning in &document.warnings {
-        importer.warn(warning.clone());
+        importer.warnings.tell(warning.clone());
     }
     importer.scene()?;
     Ok(importer.finish())
@@ -46,7 +46,8 @@ impl Importer<'_> {
                 _ => {
                     let place = self.document.location(property.at);
                     let name = &property.written;
-                    self.warn(format!("{place}: a scene has no parameter \"{name}\""));
+                    self.warnings
+                        .tell(format!("{place}: a scene has no parameter \"{name}\""));
                 }
             }
         }
@@ -66,7 +67,8 @@ impl Importer<'_> {
             }
             "sensor" if self.sensor.is_some() => {
                 let place = self.document.location(object.at);
-                self.warn(format!("{place}: only the first sensor is used"));
+                self.warnings
+                    .tell(format!("{place}: only the first sensor is used"));
             }
             "sensor" => {
                 let read = self.sensor(index).map(Some);
@@ -84,7 +86,8 @@ impl Importer<'_> {
             _ if self.document.is_referred_to(index) => {}
             tag => {
                 let place = self.document.location(object.at);
-                self.warn(format!("{place}: a <{tag}> has no meaning here"));
+                self.warnings
+                    .tell(format!("{place}: a <{tag}> has no meaning here"));
             }
         }
         Ok(())
@@ -106,16 +109,18 @@ impl Importer<'_> {
         let pending = std::mem::take(&mut self.shapes);
         let shapes = meshes::load_all(&mut self, pending);
         if shapes.is_empty() && self.emitters.is_empty() {
-            self.warn("the scene is empty: it has neither shapes nor lights".into());
+            self.warnings
+                .tell("the scene is empty: it has neither shapes nor lights".into());
         }
         for warning in origin::warnings(&shapes) {
-            self.warn(warning);
+            self.warnings.tell(warning);
         }
         let groups = self.group_of.len() as u32;
         let sensor = match self.sensor.take() {
             Some(sensor) => sensor,
             None => {
-                self.warn("the scene has no sensor: the camera was placed to see all of it".into());
+                self.warnings
+                    .tell("the scene has no sensor: the camera was placed to see all of it".into());
                 framing::frame(&shapes, &self.instances)
             }
         };
@@ -123,7 +128,7 @@ impl Importer<'_> {
         render.spp = sensor.spp.unwrap_or(render.spp);
         render.sampler = sensor.sampler;
         if render.alpha && !render.hide_emitters {
-            self.warnings.push(
+            self.warnings.tell(
                 "the film's \"pixel_format\" has alpha, which images have where emitters are hidden: \
                  give the integrator \"hide_emitters\", or the command line --alpha"
                     .into(),
@@ -142,7 +147,7 @@ impl Importer<'_> {
             film: sensor.film,
             render,
             origin: self.origin,
-            warnings: self.warnings,
+            warnings: self.warnings.into_list(),
         }
     }
 }

@@ -32,10 +32,11 @@ impl Importer<'_> {
         let pending = std::mem::take(&mut self.shapes);
         let shapes = meshes::make_all(&mut self, pending);
         if shapes.is_empty() && self.emitters.is_empty() {
-            self.warn("the scene is empty: it has neither shapes nor lights".into());
+            self.warnings
+                .tell("the scene is empty: it has neither shapes nor lights".into());
         }
         for warning in origin::warnings(&shapes) {
-            self.warn(warning);
+            self.warnings.tell(warning);
         }
         let (camera, film) = self.picture();
         let (sampler, spp) = self.sampled();
@@ -63,7 +64,7 @@ impl Importer<'_> {
             film,
             render: self.render,
             origin: self.origin,
-            warnings: self.warnings,
+            warnings: self.warnings.into_list(),
         })
     }
 

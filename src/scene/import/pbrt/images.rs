@@ -5,7 +5,7 @@ use super::params::Params;
 use crate::math::Rgb;
 use crate::scene::import::faults::At;
 use crate::scene::import::named;
-use crate::texture::{BitmapSettings, Filter, Texture, UvTransform, Wrap};
+use crate::texture::{BitmapSettings, Computed, Filter, Texture, UvTransform, Wrap};
 use glam::{Affine2, Mat2, Vec2};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -46,7 +46,12 @@ impl<'s> Importer<'s> {
             to_uv: flipped(self.mapping(p)),
             channel: None,
         };
-        let image = self.open(settings, p.place_of("filename"))?;
+        let mut image = self.open(settings, p.place_of("filename"))?;
+        // A colour image that stands for a number: pbrt takes the mean of its channels.
+        let is_grey = matches!(&image, Texture::Bitmap(bitmap) if bitmap.is_grey());
+        if role == Role::Number && !is_grey {
+            image = super::textures::computed(Computed::ChannelMean(image));
+        }
         let scale = p.float("scale", 1.0) as f32;
         if !p.boolean("invert", false) {
             return Ok(image.scaled(Rgb::splat(scale)));

@@ -1,20 +1,23 @@
 //! What has been imported so far of a [`Source`], and what every family of directives needs.
 
 use super::graphics::{Definition, Graphics, Identity};
+use super::nested::Nested;
 use super::params::Params;
 use super::pending::PendingShape;
 use super::source::Source;
 use super::statement::{Directive, Plugin};
+use super::{materials, textures};
 use crate::bsdf::{MaterialId, Materials};
 use crate::light::{Emitter, EnvironmentImage};
 use crate::math::{DAffine3, DVec3};
 use crate::medium::{Media, MediumId};
 use crate::scene::description::RenderDescription;
 use crate::scene::import::faults::At;
+use crate::scene::import::told::Told;
 use crate::scene::import::{ImportError, ImportOptions, origin};
 use crate::texture::Texture;
 use std::cell::OnceCell;
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap};
 use std::path::PathBuf;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -48,8 +51,7 @@ pub(super) struct Setup<'s> {
 pub(super) struct Importer<'s> {
     pub source: &'s Source,
     pub options: &'s ImportOptions,
-    pub warnings: Vec<String>,
-    told: HashSet<String>,
+    pub warnings: Told,
     /// How many shapes and lights were called after the same word.
     called: HashMap<String, u32>,
     pub graphics: Graphics<'s>,
@@ -67,20 +69,17 @@ pub(super) struct Importer<'s> {
     /// The first definition of every name, for what uses one before that.
     first: OnceCell<HashMap<Name<'s>, (At, &'s Plugin)>>,
     pub materials: Materials,
-    /// Materials by what they were made of, with how many they are made of.
-    pub material_of: HashMap<Identity, (MaterialId, usize)>,
+    /// Materials by what they were made of.
+    pub material_of: Nested<Identity, MaterialId>,
     /// Materials with the opacity of a shape around them.
     pub masked: HashMap<(MaterialId, String), MaterialId>,
     pub default_material: Option<MaterialId>,
-    pub texture_of: HashMap<(Identity, Role), (Texture, usize)>,
-    /// Textures and materials that the one being made is made of so far.
-    pub texture_size: usize,
-    pub material_size: usize,
-    /// Steps into materials or textures that hold others.
-    pub depth: usize,
+    pub texture_of: Nested<(Identity, Role), Texture>,
     pub environments: &'s Environments,
     pub media: Media,
     pub medium_of: HashMap<Identity, MediumId>,
+    /// Clouds so far.
+    pub clouds: usize,
     /// Media of materials that scatter inside of shapes.
     pub subsurface_of: HashMap<MaterialId, MediumId>,
     pub emitters: Vec<Emitter>,
@@ -112,8 +111,7 @@ impl<'s> Importer<'s> {
         Self {
             source,
             options,
-            warnings: Vec::new(),
-            told: HashSet::new(),
+            warnings: Told::default(),
             called: HashMap::new(),
             graphics: Graphics::default(),
             stack: Vec::new(),
@@ -126,16 +124,14 @@ impl<'s> Importer<'s> {
             named_media: HashMap::new(),
             first: OnceCell::new(),
             materials: Materials::default(),
-            material_of: HashMap::new(),
+            material_of: Nested::new(materials::LIMITS),
             masked: HashMap::new(),
             default_material: None,
-            texture_of: HashMap::new(),
-            texture_size: 0,
-            material_size: 0,
-            depth: 0,
+            texture_of: Nested::new(textures::LIMITS),
             environments,
             media: Media::default(),
             medium_of: HashMap::new(),
+            clouds: 0,
             subsurface_of: HashMap::new(),
             emitters: Vec::new(),
             emitter_names: BTreeMap::new(),
@@ -193,21 +189,23 @@ impl<'s> Importer<'s> {
 
     /// Remembers something odd at a place. The same thing twice is told once.
     pub fn warn_at(&mut self, at: At, warning: &str) {
-        self.warn(format!("{}: {warning}", self.source.location(at)));
+        self.warnings
+            .tell(format!("{}: {warning}", self.source.location(at)));
     }
 
-    /// Remembers something odd.
-    pub fn warn(&mut self, warning: String) {
-        if self.told.insert(warning.clone()) {
-            self.warnings.push(warning);
+    /// The same where a scene may do it a hundred thousand times: only the first place is named.
+    pub fn warn_once(&mut self, at: At, warning: &str) {
+        if self.warnings.is_new(warning) {
+            self.warn_at(at, warning);
         }
     }
 
     /// Ends reading a plugin: tells of parameters that nothing asked for.
     pub fn done(&mut self, params: &Params) {
-        for warning in params.unused() {
-            self.warn(warning);
-        }
+        params
+            .unused()
+            .into_iter()
+            .for_each(|w| self.warnings.tell(w));
     }
 
     /// Tells of parameters that change the picture in pbrt and are left out here.

@@ -26,6 +26,7 @@ pub(super) fn make(inline: &Inline, options: &ImportOptions) -> Result<Loaded, I
     let mut warnings = Vec::new();
     let buffers = match &inline.kind {
         InlineKind::Triangles(vertices) => triangles(vertices),
+        InlineKind::Separate(vertices) => separate(triangles(vertices)),
         InlineKind::Patches(vertices) => patches(vertices, &mut warnings),
         InlineKind::Subdivision(vertices, levels) => {
             let mesh = subdivision::refine(vertices, *levels).map_err(error)?;
@@ -78,6 +79,27 @@ fn triangles(v: &Vertices) -> Buffers {
         uvs: v.uvs.map(pairs),
         triangles: corners
             .map(|c| [corner(&c[0]), corner(&c[1]), corner(&c[2])])
+            .collect(),
+        ..Buffers::default()
+    }
+}
+
+/// Triangles that share no vertices, each laid on a half of the textures as pbrt does where a mesh
+/// has no texture coordinates: its corners are at (0, 0), (1, 0) and (1, 1).
+fn separate(mesh: Buffers) -> Buffers {
+    fn each<T: Copy>(triangles: &[[u32; 3]], values: &[T]) -> Vec<T> {
+        let corners = triangles.iter().flatten();
+        corners.map(|&i| values[i as usize]).collect()
+    }
+    let faces = &mesh.triangles;
+    let corners = [Vec2::ZERO, Vec2::X, Vec2::ONE];
+    Buffers {
+        positions: each(faces, &mesh.positions),
+        normals: mesh.normals.map(|list| each(faces, &list)),
+        tangents: mesh.tangents.map(|list| each(faces, &list)),
+        uvs: Some(corners.repeat(faces.len())),
+        triangles: (0..faces.len() as u32)
+            .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
             .collect(),
         ..Buffers::default()
     }

@@ -1,14 +1,15 @@
-//! Models with a surface that is smooth or of microfacets: metals, glass, coats.
+//! Models with a surface that is smooth or of microfacets: metals and glass. Coats are in
+//! [`super::coats`].
 
 use super::importer::{Importer, Role};
+use super::named_spectra::copper;
 use super::params::Params;
 use crate::bsdf::Material;
 use crate::bsdf::material::{
-    Conductor, Dielectric, Distribution, Plastic, RoughConductor, RoughDielectric, RoughPlastic,
-    Roughness, ThinDielectric, white,
+    Conductor, Dielectric, Distribution, RoughConductor, RoughDielectric, Roughness,
+    ThinDielectric, white,
 };
 use crate::math::{Rgb, luminance};
-use crate::scene::import::ior;
 use crate::texture::{Computed, Texture};
 use std::sync::Arc;
 
@@ -16,16 +17,19 @@ use std::sync::Arc;
 const SMOOTH: f32 = 1e-3;
 /// A reflectance of 1 would ask for an infinite index.
 const MOST_REFLECTING: f32 = 0.9999;
-/// Cosine at which light crosses a coat on average, for what the coat absorbs: between that of
-/// light that came in from outside (0.75 to 1) and of diffuse light (0.67).
-const MEAN_COSINE: f32 = 0.85;
-
 /// What a model is: whether light can pass through decides whether both sides are made alike.
 pub(super) enum Made {
     Opaque(Material),
     Clear(Material),
     /// Nothing more is to be laid around it.
     Whole(Material),
+}
+
+/// Index and absorption of a metal, and a factor on what it reflects.
+pub(super) struct Constants {
+    pub eta: Texture,
+    pub k: Texture,
+    pub factor: Texture,
 }
 
 /// The names of what says how rough a surface is.
@@ -96,155 +100,56 @@ impl<'s> Importer<'s> {
         .into()
     }
 
-    /// A metal under a medium of index `outside`. `part` is what its names begin with.
-    pub fn conductor(
+    /// A metal.
+    pub fn conductor(&mut self, p: &Params<'_, 's>) -> Result<Material, String> {
+        let Constants { eta, k, factor } = self.constants(p, ["eta", "k"])?;
+        Ok(metal(eta, k, factor, self.facets(p, "", 0.0)))
+    }
+
+    /// What a metal is made of, by the names of its index and absorption.
+    pub fn constants(
         &mut self,
         p: &Params<'_, 's>,
-        part: &'static str,
-        outside: f32,
-    ) -> Result<Material, String> {
-        let [eta_name, k_name] = match part {
-            "conductor" => ["conductor.eta", "conductor.k"],
-            _ => ["eta", "k"],
-        };
+        [eta_name, k_name]: [&'static str; 2],
+    ) -> Result<Constants, String> {
         let given = [eta_name, k_name].map(|name| self.texture_given(p, name, Role::Unbounded));
         let reflectance = self.texture_given(p, "reflectance", Role::Reflectance);
-        let copper = ior::conductor("Cu").unwrap_or((Rgb::ZERO, Rgb::ONE));
-        let (eta, k, factor) = match (reflectance, given) {
-            (Some(_), [Some(_), _] | [_, Some(_)]) => {
-                return Err(format!(
-                    "give \"reflectance\", or \"{eta_name}\" and \"{k_name}\", not both"
-                ));
-            }
-            (Some(reflectance), _) => self.of_reflectance(p, reflectance),
-            (None, [eta, k]) => (
-                eta.unwrap_or(Texture::Constant(copper.0)),
-                k.unwrap_or(Texture::Constant(copper.1)),
-                white(),
-            ),
-        };
-        let beneath = |texture: Texture| texture.scaled(Rgb::splat(1.0 / outside));
-        Ok(metal(
-            beneath(eta),
-            beneath(k),
-            factor,
-            self.facets(p, part, 0.0),
-        ))
+        let copper = copper();
+        match (reflectance, given) {
+            (Some(_), [Some(_), _] | [_, Some(_)]) => Err(format!(
+                "give \"reflectance\", or \"{eta_name}\" and \"{k_name}\", not both"
+            )),
+            (Some(reflectance), _) => Ok(self.of_reflectance(p, reflectance)),
+            (None, [eta, k]) => Ok(Constants {
+                eta: eta.unwrap_or(Texture::Constant(copper.0)),
+                k: k.unwrap_or(Texture::Constant(copper.1)),
+                factor: white(),
+            }),
+        }
     }
 
     /// Index and factor of a metal of that reflectance at normal incidence: eta is 1 and
     /// k = 2 sqrt(r / (1 - r)).
-    fn of_reflectance(&mut self, p: &Params, reflectance: Texture) -> (Texture, Texture, Texture) {
+    fn of_reflectance(&mut self, p: &Params, reflectance: Texture) -> Constants {
         if let Some(r) = reflectance.constant() {
             let r = r.clamp(Rgb::ZERO, Rgb::splat(MOST_REFLECTING));
             let k = (r / (Rgb::ONE - r)).map(f32::sqrt) * 2.0;
-            return (white(), Texture::Constant(k), white());
+            return Constants {
+                eta: white(),
+                k: Texture::Constant(k),
+                factor: white(),
+            };
         }
         self.warn_at(
             p.place_of("reflectance"),
             "the reflectance of this metal is an image: it does not grow towards grazing angles",
         );
-        let mirror = [Rgb::ZERO, Rgb::ONE].map(Texture::Constant);
-        let [eta, k] = mirror;
-        (eta, k, reflectance)
-    }
-
-    /// A diffuse base under a dielectric coat. pbrt follows a random walk between the two; here
-    /// their sum has a closed form with the same bounces, in which light that returned from the
-    /// coat is diffuse. What the coat absorbs (pbrt's sigma_t is 1 per unit, thickness 0.01) dims
-    /// the base.
-    pub fn coated_diffuse(&mut self, p: &Params<'_, 's>) -> Material {
-        let eta = self.index(p, "eta", 1.5);
-        let thickness = self.thickness(p);
-        let base = self.texture(p, "reflectance", Role::Reflectance, 0.5);
-        let passes = (-2.0 * thickness / MEAN_COSINE).exp();
-        self.plastic(p, eta, base.scaled(Rgb::splat(passes)), white(), 0.0)
-    }
-
-    /// A coat over a diffuse base, smooth or rough.
-    pub fn plastic(
-        &mut self,
-        p: &Params<'_, 's>,
-        eta: f32,
-        diffuse_reflectance: Texture,
-        specular_reflectance: Texture,
-        default: f32,
-    ) -> Material {
-        match self.facets(p, "", default) {
-            None => Plastic {
-                eta,
-                diffuse_reflectance,
-                specular_reflectance,
-                nonlinear: true,
-            }
-            .into(),
-            Some(roughness) => {
-                self.warn_of_anisotropy(p, &roughness);
-                RoughPlastic {
-                    eta,
-                    roughness,
-                    diffuse_reflectance,
-                    specular_reflectance,
-                    nonlinear: true,
-                }
-                .into()
-            }
+        let [eta, k] = [Rgb::ZERO, Rgb::ONE].map(Texture::Constant);
+        Constants {
+            eta,
+            k,
+            factor: reflectance,
         }
-    }
-
-    fn warn_of_anisotropy(&mut self, p: &Params, roughness: &Roughness) {
-        let (u, v) = (roughness.alpha_u.constant(), roughness.alpha_v.constant());
-        if u != v {
-            self.warn_at(
-                p.at(),
-                "the coat is as rough along v as along u: anisotropic coats are left out",
-            );
-        }
-    }
-
-    /// The optical thickness of a coat, and what of its inside is left out.
-    fn thickness(&mut self, p: &Params<'_, 's>) -> f32 {
-        // How many samples the random walk takes, and how long it may get.
-        p.ignore(&["maxdepth", "nsamples"]);
-        let what = "the coat absorbs, but does not scatter inside";
-        let scatters = self.texture_given(p, "albedo", Role::Reflectance);
-        if scatters.is_some_and(|albedo| albedo.mean() != Rgb::ZERO) {
-            self.left_out(p, &["albedo", "g"], what);
-        } else {
-            p.ignore(&["g"]);
-        }
-        let thickness = self.texture(p, "thickness", Role::Number, 0.01);
-        luminance(thickness.mean()).max(0.0)
-    }
-
-    /// A metal under a dielectric coat.
-    pub fn coated_conductor(&mut self, p: &Params<'_, 's>) -> Result<Material, String> {
-        let eta = self.index(p, "interface.eta", 1.5);
-        let thickness = self.thickness(p);
-        let metal = self.conductor(p, "conductor", eta)?;
-        let inner = self.materials.push(metal);
-        // pbrt's coat has sigma_t = 1 per unit of thickness.
-        let (sigma_a, specular_reflectance) = (white(), white());
-        Ok(match self.facets(p, "interface", 0.0) {
-            None => Material::Coating {
-                eta,
-                thickness,
-                sigma_a,
-                specular_reflectance,
-                inner,
-            },
-            Some(roughness) => {
-                self.warn_of_anisotropy(p, &roughness);
-                Material::RoughCoating {
-                    eta,
-                    roughness,
-                    thickness,
-                    sigma_a,
-                    specular_reflectance,
-                    inner,
-                }
-            }
-        })
     }
 }
 

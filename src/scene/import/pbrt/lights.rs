@@ -1,4 +1,5 @@
-//! Lights that stand in the scene by themselves, and what shapes emit.
+//! Lights that stand in the scene by themselves, and what shapes emit. Those that are images are in
+//! [`super::image_lights`].
 
 use super::graphics::single;
 use super::images::flipped;
@@ -6,15 +7,12 @@ use super::importer::Importer;
 use super::parameter::Kind;
 use super::params::Params;
 use super::pending::Glow;
-use crate::image::file::ImageFile;
-use crate::light::{Emitter, EnvironmentImage, Falloff, Slide};
-use crate::math::{DAffine3, DVec3, Rgb, Vec3, luminance};
+use crate::light::{Emitter, Falloff};
+use crate::math::{DAffine3, DVec3, Rgb, luminance};
 use crate::scene::import::{ImportError, named};
-use crate::texture::{BitmapSettings, Filter, Texture, Wrap};
+use crate::texture::{BitmapSettings, Texture};
 use glam::{Affine2, DMat3};
 use std::f32::consts::PI;
-use std::path::Path;
-use std::sync::Arc;
 
 /// The kinds of lights that are read; `diffuse` is that of `AreaLightSource`.
 pub(super) const LIGHTS: &[&str] = &[
@@ -50,7 +48,7 @@ impl<'s> Importer<'s> {
     }
 
     /// `scale`, a number or (v3) a colour, with the sensor's exposure.
-    fn scale(&mut self, p: &Params<'_, 's>) -> Rgb {
+    pub fn scale(&mut self, p: &Params<'_, 's>) -> Rgb {
         let given = p.any("scale");
         let scale = match given {
             Some(given) if !matches!(given.kind, Kind::Float | Kind::Integer) => {
@@ -59,13 +57,18 @@ impl<'s> Importer<'s> {
             }
             _ => Rgb::splat(p.float("scale", 1.0) as f32),
         };
-        // Lights that take away are beyond what is rendered here.
+        if scale.min_element() < 0.0 {
+            self.warn_at(
+                p.place_of("scale"),
+                "\"scale\" is below 0: lights that take away are left out",
+            );
+        }
         (scale * self.imaging_ratio).max(Rgb::ZERO)
     }
 
     /// The colour `name` times `scale`; with `power`, as much that this many times `emitted`, the
     /// power of a light of luminance 1, comes out.
-    fn strength(&mut self, p: &Params<'_, 's>, name: &'static str, emitted: f32) -> Rgb {
+    pub fn strength(&mut self, p: &Params<'_, 's>, name: &'static str, emitted: f32) -> Rgb {
         let color = self.light(p, name) * self.scale(p);
         match p.float_given("power").filter(|power| *power > 0.0) {
             Some(power) if emitted > 0.0 => color * (power as f32 / emitted),
@@ -120,199 +123,6 @@ impl<'s> Importer<'s> {
         })
     }
 
-    fn infinite(&mut self, p: &Params<'_, 's>, to_world: DAffine3) -> Result<Emitter, String> {
-        p.ignore(&["nsamples", "samples"]);
-        self.left_out(
-            p,
-            &["portal"],
-            "light comes from everywhere, which is noisier and brings \
-            more of it where the scene is open elsewhere",
-        );
-        let scale = self.scale(p);
-        let lux = p.float_given("illuminance").filter(|lux| *lux > 0.0);
-        let name = ["filename", "mapname"].into_iter().find(|name| {
-            p.find(name, &[Kind::Text])
-                .is_some_and(|g| !super::textures::is_nothing(&g.values))
-        });
-        let Some(name) = name else {
-            let mut radiance = self.light(p, "L") * scale;
-            if let Some(lux) = lux {
-                radiance *= lux as f32 / PI;
-            }
-            return Ok(Emitter::Constant { radiance });
-        };
-        if p.has("L") && name == "filename" {
-            return Err("give \"L\" or \"filename\", not both".into());
-        }
-        // v3 multiplies its map by L.
-        let color = if p.has("L") {
-            self.light(p, "L") * scale
-        } else {
-            scale
-        };
-        let path = self
-            .file_given(p, name)
-            .ok_or("the file's name is expected")?;
-        let image = self.environment(p, name, &path)?;
-        let is_equal_area = image.layout() == crate::light::Layout::EqualArea;
-        if color.x != color.y || color.y != color.z {
-            self.warn_at(
-                p.at(),
-                "the colour of this light is left out, its luminance is kept: a map has its own",
-            );
-        }
-        let mut scale = luminance(color);
-        if let Some(lux) = lux {
-            let up = if is_equal_area { Vec3::Z } else { Vec3::Y };
-            let found = image.illuminance(up);
-            scale *= if found > 0.0 { lux as f32 / found } else { 1.0 };
-        }
-        let place = match is_equal_area {
-            true => to_world,
-            false => to_world * LAT_LONG,
-        };
-        Ok(Emitter::EnvironmentMap {
-            image,
-            scale,
-            to_world: single(place),
-        })
-    }
-
-    /// The image around the scene in the file `path`, read once: a square is one of equal areas.
-    fn environment(
-        &mut self,
-        p: &Params,
-        name: &'static str,
-        path: &Path,
-    ) -> Result<Arc<EnvironmentImage>, String> {
-        let at = p.place_of(name);
-        if !path.exists() {
-            let hint = named::hint_of(path);
-            return Err(format!(
-                "there is no environment map {}{hint}",
-                path.display()
-            ));
-        }
-        let is_square = ImageFile::open(path).is_ok_and(|file| {
-            let level = file
-                .header()
-                .window
-                .map_or(file.header().level, |w| w.whole);
-            level.width == level.height
-        });
-        let equal_area = is_square && name == "filename";
-        if name == "filename" && !is_square {
-            self.warn_at(
-                at,
-                "this map is no square of equal areas: it is taken for latitude by \
-                longitude, as in v3",
-            );
-        }
-        let key = (path.to_owned(), equal_area);
-        let known = self.environments.borrow().get(&key).cloned();
-        let image = known.unwrap_or_else(|| {
-            let limit = self.options.decode;
-            let read = match equal_area {
-                true => EnvironmentImage::read_equal_area(path, limit),
-                false => EnvironmentImage::read(path, None, limit),
-            };
-            let read = read.map(Arc::new);
-            let read = read
-                .map_err(|e| format!("cannot read the environment map {}: {}", e.path, e.reason));
-            self.environments.borrow_mut().insert(key, read.clone());
-            read
-        })?;
-        for oddity in image.oddities() {
-            self.warn_at(at, &format!("{}: {oddity}", path.display()));
-        }
-        Ok(image)
-    }
-
-    /// An image that a light shows.
-    fn light_image(&mut self, p: &Params<'_, 's>, name: &'static str) -> Result<Texture, String> {
-        let path = self.file_given(p, name);
-        let path = path.ok_or_else(|| format!("\"{}\" needs a \"{name}\"", p.name()))?;
-        let settings = BitmapSettings {
-            path,
-            raw: false,
-            gamma: None,
-            filter: Filter::Linear,
-            wrap_u: Wrap::Clamp,
-            wrap_v: Wrap::Clamp,
-            to_uv: crate::texture::UvTransform(Affine2::IDENTITY),
-            channel: None,
-        };
-        self.open(settings, p.place_of(name))
-    }
-
-    fn projection(&mut self, p: &Params<'_, 's>, to_world: DAffine3) -> Result<Emitter, String> {
-        let name = if p.has("mapname") {
-            "mapname"
-        } else {
-            "filename"
-        };
-        let slide = self.light_image(p, name)?;
-        let size = match &slide {
-            Texture::Bitmap(bitmap) => [bitmap.width(), bitmap.height()],
-            _ => [1, 1],
-        };
-        let aspect = size[0] as f32 / size[1] as f32;
-        let fov = p.float_in("fov", 90.0, 0.0..=179.9) as f32;
-        // It spans the shorter side.
-        let half_height = (0.5 * fov.to_radians()).tan() * (1.0 / aspect).max(1.0);
-        let half_width = half_height * aspect;
-        let mut factor = self.scale(p);
-        if p.has("I") {
-            factor *= self.light(p, "I");
-        }
-        if let Some(power) = p.float_given("power").filter(|power| *power > 0.0) {
-            let emitted = slide_power(&slide, size, [half_width, half_height]);
-            factor *= if emitted > 0.0 {
-                power as f32 / emitted
-            } else {
-                1.0
-            };
-        }
-        // x to the right becomes x to the left.
-        let mirror = DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0));
-        Ok(Emitter::Projector {
-            to_world: single(self.place(to_world * mirror, None)),
-            slide: slide.scaled(factor),
-            values: Slide::Intensity,
-            scale: 1.0,
-            fov_degrees: 2.0 * half_width.atan().to_degrees(),
-            aspect,
-        })
-    }
-
-    /// A point light of the mean of its image.
-    fn goniometric(&mut self, p: &Params<'_, 's>, to_world: DAffine3) -> Result<Emitter, String> {
-        let name = if p.has("mapname") {
-            "mapname"
-        } else {
-            "filename"
-        };
-        let mean = match p.has(name) {
-            true => {
-                let mean = self.light_image(p, name)?.mean();
-                self.warn_at(
-                    p.at(),
-                    "the directions of this goniometric light are left out: it \
-                    shines alike everywhere, with as much power",
-                );
-                mean.element_sum() / 3.0
-            }
-            false => 1.0,
-        };
-        let position = to_world.translation - self.origin;
-        let power = p.float_given("power").is_some_and(|power| power > 0.0);
-        let intensity = self.strength(p, "I", 4.0 * PI);
-        Ok(Emitter::Point {
-            position: position.as_vec3(),
-            intensity: intensity * if power { 1.0 } else { mean },
-        })
-    }
-
     /// What an `AreaLightSource` makes shapes emit.
     pub fn glow(&mut self, p: &Params<'_, 's>) -> Result<Glow, String> {
         if !matches!(p.name(), "diffuse" | "area") {
@@ -359,30 +169,4 @@ impl<'s> Importer<'s> {
             power,
         })
     }
-}
-
-/// From the layout of maps of latitude by longitude here (+y is the zenith, the middle is +z) to
-/// that of v3: +z is the zenith, columns begin at +x and go on to +y.
-const LAT_LONG: DAffine3 = DAffine3 {
-    matrix3: DMat3::from_cols(DVec3::Y, DVec3::Z, DVec3::NEG_X),
-    translation: DVec3::ZERO,
-};
-
-/// Luminous power of a slide whose luminance is an intensity: over its area at distance 1 a
-/// steradian is the third power of the cosine.
-fn slide_power(slide: &Texture, [width, height]: [u32; 2], half: [f32; 2]) -> f32 {
-    let area = 4.0 * half[0] * half[1];
-    let mut sum = 0.0;
-    for y in 0..height {
-        for x in 0..width {
-            let at = |i: u32, n: u32, half: f32| half * (2.0 * (i as f32 + 0.5) / n as f32 - 1.0);
-            let place = Vec3::new(at(x, width, half[0]), at(y, height, half[1]), 1.0);
-            let value = match slide {
-                Texture::Bitmap(bitmap) => bitmap.texel(x, y),
-                other => other.mean(),
-            };
-            sum += f64::from(luminance(value) * place.length_recip().powi(3));
-        }
-    }
-    (sum / (f64::from(width) * f64::from(height))) as f32 * area
 }

@@ -11,6 +11,7 @@ use super::graphics::{Chosen, Definition};
 use super::images;
 use super::importer::{Importer, Role};
 use super::interfaces::Made;
+use super::nested::Limits;
 use super::parameter::{Kind, Values};
 use super::params::Params;
 use super::statement::Directive;
@@ -38,10 +39,12 @@ pub(super) const MATERIALS: &[&str] = &[
     "subsurface",
 ];
 
-/// Materials that one may be made of. Sixty that each hold the next one twice would be 2^60.
-const MOST_MATERIALS: usize = 128;
-/// Materials in materials.
-const DEEPEST: usize = 32;
+/// How materials may hold others.
+pub(super) const LIMITS: Limits = Limits {
+    things: "materials",
+    deepest: 32,
+    most: 128,
+};
 
 impl<'s> Importer<'s> {
     /// The material that shapes get now.
@@ -92,35 +95,22 @@ impl<'s> Importer<'s> {
     /// The material of a definition. The same definition gives the same material.
     fn material_of(&mut self, definition: &Definition<'s>) -> MaterialId {
         let key = definition.identity();
-        if let Some(&(id, size)) = self.material_of.get(&key) {
-            self.material_size += size;
+        if let Some(id) = self.material_of.known(&key) {
             return id;
         }
-        let before = std::mem::replace(&mut self.material_size, 1);
-        self.depth += 1;
-        let made = match self.depth > DEEPEST {
-            true => Err("materials are nested too deep, or hold themselves".to_owned()),
-            false => self.make_material(definition),
+        let begun = self.material_of.begin();
+        let made = match &begun.too_deep {
+            Ok(()) => self.make_material(definition),
+            Err(message) => Err(message.clone()),
         };
-        self.depth -= 1;
-        let size = self.material_size.min(MOST_MATERIALS + 1);
-        let made = match made {
-            Ok(_) if size > MOST_MATERIALS => Err(format!(
-                "this material is made of more than {MOST_MATERIALS}, one that is used twice \
-                 counted twice"
-            )),
-            made => made,
-        };
-        let (id, size) = match made {
-            Ok(id) => (id, size),
-            Err(message) => {
-                self.source
-                    .fault(definition.at, message, "grey takes its place");
-                (self.grey(), 1)
-            }
-        };
-        self.material_size = before + size;
-        self.material_of.insert(key, (id, size));
+        let made = made.and_then(|id| self.material_of.bounded().map(|()| id));
+        let is_whole = made.is_ok();
+        let id = made.unwrap_or_else(|message| {
+            self.source
+                .fault(definition.at, message, "grey takes its place");
+            self.grey()
+        });
+        self.material_of.end(&begun, key, &id, is_whole);
         id
     }
 
@@ -199,7 +189,7 @@ impl<'s> Importer<'s> {
             "diffuse" => Made::Opaque(self.diffuse(p, "reflectance", 0.5)),
             "coateddiffuse" => Made::Opaque(self.coated_diffuse(p)),
             "coatedconductor" => Made::Opaque(self.coated_conductor(p)?),
-            "conductor" => Made::Opaque(self.conductor(p, "", 1.0)?),
+            "conductor" => Made::Opaque(self.conductor(p)?),
             "dielectric" => Made::Clear(self.dielectric(p)),
             "thindielectric" => Made::Clear(self.thin_dielectric(p)),
             "diffusetransmission" => Made::Clear(self.diffuse_transmission(p)),
@@ -269,8 +259,9 @@ impl<'s> Importer<'s> {
         let amount = match p.any("amount").map(|given| given.kind) {
             // v3's amount is a colour.
             Some(Kind::Rgb | Kind::Spectrum) => {
-                let amount = self.texture(p, "amount", Role::Unbounded, 0.5);
-                Texture::Constant(Rgb::splat(crate::math::luminance(amount.mean())))
+                let amount = self.mean_given(p, "amount", Role::Unbounded);
+                let amount = amount.map_or(0.5, crate::math::luminance);
+                Texture::Constant(Rgb::splat(amount))
             }
             _ => self.texture(p, "amount", Role::Number, 0.5),
         };

@@ -2,6 +2,7 @@
 
 use super::importer::{Importer, Role};
 use super::interfaces::{Made, metal, roughness};
+use super::named_spectra::copper;
 use super::params::Params;
 use crate::bsdf::Material;
 use crate::bsdf::material::{
@@ -9,7 +10,6 @@ use crate::bsdf::material::{
     Roughness, white,
 };
 use crate::math::{Rgb, luminance};
-use crate::scene::import::ior;
 use crate::texture::{Computed, Texture};
 use std::f32::consts::SQRT_2;
 use std::sync::Arc;
@@ -45,7 +45,7 @@ impl<'s> Importer<'s> {
                 )
             }
             "metal" => {
-                let copper = ior::conductor("Cu").unwrap_or((Rgb::ZERO, Rgb::ONE));
+                let copper = copper();
                 let eta = self.texture_given(p, "eta", Role::Unbounded);
                 let k = self.texture_given(p, "k", Role::Unbounded);
                 let facets = self.facets_v3(p, 0.01);

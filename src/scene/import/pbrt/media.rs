@@ -8,13 +8,13 @@ use super::subsurface::homogeneous;
 use super::{graphics, presets};
 use crate::math::{DAffine3, DVec3, Rgb};
 use crate::medium::grids::{Albedo, Grid, Heterogeneous, Lookup};
-use crate::medium::{Extinction, Medium, MediumId, PhaseLobe, VACUUM};
+use crate::medium::{Extinction, Homogeneous, Medium, MediumId, PhaseLobe, VACUUM};
 use crate::scene::import::faults::At;
 use crate::scene::import::named;
 use std::sync::Arc;
 
 /// The kinds of media that are read.
-pub(super) const MEDIA: &[&str] = &["homogeneous", "uniformgrid", "rgbgrid"];
+pub(super) const MEDIA: &[&str] = &["homogeneous", "uniformgrid", "rgbgrid", "cloud"];
 
 impl<'s> Importer<'s> {
     /// The medium of that name; nothing for an empty one.
@@ -58,6 +58,7 @@ impl<'s> Importer<'s> {
             }
             "uniformgrid" => self.uniform_grid(p)?,
             "rgbgrid" => self.rgb_grid(p)?,
+            "cloud" => self.cloud(p)?,
             other => {
                 return Err(format!(
                     "the medium \"{other}\" is not read: {} are",
@@ -87,21 +88,19 @@ impl<'s> Importer<'s> {
     }
 
     /// Absorption and scattering: of a substance by name, or as they are given.
-    fn coefficients(&mut self, p: &Params<'_, 's>) -> Result<(Rgb, Rgb), String> {
+    pub fn coefficients(&mut self, p: &Params<'_, 's>) -> Result<(Rgb, Rgb), String> {
         if let Some(name) = p.text("preset").filter(|name| !name.is_empty()) {
-            return presets::coefficients(name)
-                .ok_or_else(|| format!("there are no coefficients of \"{name}\""));
+            return presets::coefficients(name);
         }
         let mut one = |name| {
-            let given = self.texture_given(p, name, Role::Unbounded);
-            given.map_or(Rgb::ONE, |t| t.mean())
+            let given = self.mean_given(p, name, Role::Unbounded);
+            given.unwrap_or(Rgb::ONE)
         };
         Ok((one("sigma_a"), one("sigma_s")))
     }
 
-    /// Voxels between the corners `p0` and `p1`.
-    fn resolution(&self, p: &Params<'_, 's>) -> Result<([u32; 3], DAffine3), String> {
-        let resolution = ["nx", "ny", "nz"].map(|name| p.count(name, 1));
+    /// From the unit cube to the box between the corners `p0` and `p1`.
+    fn to_box(&self, p: &Params<'_, 's>) -> Result<DAffine3, String> {
         let from = p.triple("p0", DVec3::ZERO);
         let size = p.triple("p1", DVec3::ONE) - from;
         let local = DAffine3::from_translation(from) * DAffine3::from_scale(size);
@@ -109,12 +108,18 @@ impl<'s> Importer<'s> {
             .definition
             .affine()
             .ok_or("its transform is no affine map")?;
-        Ok((resolution, self.place(to_world * local, None)))
+        Ok(self.place(to_world * local, None))
     }
 
-    fn grid(&self, p: &Params<'_, 's>, channels: u32, values: Vec<f32>) -> Result<Grid, String> {
-        let (resolution, to_world) = self.resolution(p)?;
-        let place = graphics::single(to_world);
+    /// Values in so many voxels between the corners `p0` and `p1`.
+    fn grid(
+        &self,
+        p: &Params<'_, 's>,
+        resolution: [u32; 3],
+        channels: u32,
+        values: Vec<f32>,
+    ) -> Result<Grid, String> {
+        let place = graphics::single(self.to_box(p)?);
         Grid::new(
             resolution,
             channels,
@@ -125,6 +130,31 @@ impl<'s> Importer<'s> {
         .map_err(|why| why.to_string())
     }
 
+    /// pbrt has nothing beyond a grid, so that densities fall by half from the centres of the
+    /// outermost voxels to the border; here they stay.
+    fn warn_of_borders(
+        &mut self,
+        p: &Params,
+        resolution: [u32; 3],
+        channels: usize,
+        values: &[f32],
+    ) {
+        let [nx, ny, nz] = resolution.map(|n| n as usize);
+        let outermost = |i: usize| {
+            let (x, y, z) = (i % nx, i / nx % ny, i / nx / ny);
+            x == 0 || y == 0 || z == 0 || x + 1 == nx || y + 1 == ny || z + 1 == nz
+        };
+        let filled = values.chunks(channels).enumerate();
+        let mut filled = filled.filter(|(_, v)| v.iter().any(|v| *v != 0.0));
+        if filled.any(|(i, _)| outermost(i)) {
+            self.warn_at(
+                p.at(),
+                "the outermost voxels of this grid are not empty: within half a voxel of its \
+                 border it is denser than in pbrt",
+            );
+        }
+    }
+
     /// One density for each voxel, times coefficients.
     fn uniform_grid(&mut self, p: &Params<'_, 's>) -> Result<Extinction, String> {
         let density = p
@@ -132,17 +162,30 @@ impl<'s> Importer<'s> {
             .ok_or("a uniformgrid needs a \"density\"")?;
         let (sigma_a, sigma_s) = self.coefficients(p)?;
         let scale = p.float_in("scale", 1.0, 0.0..=1e30) as f32;
+        let resolution = resolution(p);
+        self.warn_of_borders(p, resolution, 1, density);
         let medium = homogeneous(sigma_a, sigma_s);
+        self.of_density(p, resolution, density, &medium, scale)
+    }
+
+    /// A medium whose extinction is `density` times that of `medium` and a factor.
+    pub fn of_density(
+        &self,
+        p: &Params<'_, 's>,
+        resolution: [u32; 3],
+        density: &[f32],
+        medium: &Homogeneous,
+        scale: f32,
+    ) -> Result<Extinction, String> {
         let Rgb { x, y, z } = medium.extinction;
-        let grey = x == y && y == z;
-        let (channels, values) = match grey {
+        let (channels, values) = match x == y && y == z {
             true => (1, density.iter().map(|d| d * x).collect()),
-            false => (
-                3,
-                density.iter().flat_map(|d| [d * x, d * y, d * z]).collect(),
-            ),
+            false => {
+                let colors = density.iter().flat_map(|d| [d * x, d * y, d * z]);
+                (3, colors.collect())
+            }
         };
-        let grid = self.grid(p, channels, values)?;
+        let grid = self.grid(p, resolution, channels, values)?;
         let made = Heterogeneous::new(grid, scale, Albedo::Constant(medium.albedo));
         made.map(Extinction::from).map_err(|why| why.to_string())
     }
@@ -176,9 +219,16 @@ impl<'s> Importer<'s> {
         let share = |(sum, s): (&f32, &f32)| if *sum > 0.0 { (s / sum).min(1.0) } else { 0.0 };
         let albedo = sum.iter().zip(&scattered).map(share).collect();
         let scale = p.float_in("scale", 1.0, 0.0..=1e30) as f32;
-        let density = self.grid(p, 3, sum)?;
-        let albedo = self.grid(p, 3, albedo)?;
+        let resolution = resolution(p);
+        self.warn_of_borders(p, resolution, 3, &sum);
+        let density = self.grid(p, resolution, 3, sum)?;
+        let albedo = self.grid(p, resolution, 3, albedo)?;
         let made = Heterogeneous::new(density, scale, Albedo::Grid(albedo));
         made.map(Extinction::from).map_err(|why| why.to_string())
     }
+}
+
+/// Voxels along the axes.
+fn resolution(p: &Params) -> [u32; 3] {
+    ["nx", "ny", "nz"].map(|name| p.count(name, 1))
 }

@@ -56,6 +56,16 @@ pub(super) fn make_all(importer: &mut Importer, pending: Vec<PendingShape>) -> V
         });
     }
     drop(unique);
+    for (shape, geometry) in pending.iter().zip(&geometries) {
+        let bare = matches!(geometry, Some(Geometry::Mesh(mesh)) if mesh.uvs.is_none());
+        if bare && importer.reads_uvs(shape.material, shape.glow.as_ref()) {
+            importer.warn_at(
+                shape.at,
+                "this mesh has no texture coordinates: a single place of its textures is seen \
+                 (pbrt lays each face on the whole texture)",
+            );
+        }
+    }
     place(importer, pending, geometries)
 }
 

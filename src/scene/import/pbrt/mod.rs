@@ -15,11 +15,14 @@
 //! rendered in another way than pbrt does, is a warning in [`Description::warnings`].
 
 mod camera;
+mod cloud;
+mod coats;
 mod color_space;
 mod curves;
 mod film;
 mod finish;
 mod graphics;
+mod image_lights;
 mod images;
 mod importer;
 mod inline;
@@ -29,6 +32,8 @@ mod materials;
 mod materials_v3;
 mod media;
 mod meshes;
+mod named_spectra;
+mod nested;
 mod number;
 mod parameter;
 mod params;

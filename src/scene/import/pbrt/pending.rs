@@ -67,6 +67,8 @@ pub(super) struct Inline<'s> {
 pub(super) enum InlineKind<'s> {
     /// `trianglemesh`.
     Triangles(Vertices<'s>),
+    /// The same, each triangle with pbrt's texture coordinates of its own.
+    Separate(Vertices<'s>),
     /// `bilinearmesh`.
     Patches(Vertices<'s>),
     /// `loopsubdiv`, with its levels.

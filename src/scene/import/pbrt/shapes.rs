@@ -37,11 +37,12 @@ impl<'s> Importer<'s> {
         let to_world = self.standing(p.at(), "shape")?;
         let placed = self.place(to_world, self.group);
         let material = self.current_material();
-        let geometry = self.geometry(p, placed, material);
-        let geometry = geometry.map_err(|message| self.source.error(p.at(), message))?;
-        let glow = self.shape_glow(p)?;
         let boundary = self.boundary(material, p.at());
         let material = self.with_alpha(p, material);
+        let glow = self.shape_glow(p)?;
+        let textured = self.reads_uvs(material, glow.as_ref());
+        let geometry = self.geometry(p, placed, textured);
+        let geometry = geometry.map_err(|message| self.source.error(p.at(), message))?;
         self.done(p);
         let word = match &geometry {
             PendingGeometry::File(request) => {
@@ -66,6 +67,16 @@ impl<'s> Importer<'s> {
         shape.name = self.name_after(&word);
         self.shapes.push(shape);
         Ok(())
+    }
+
+    /// Whether a shape of this material and light is to have texture coordinates.
+    pub fn reads_uvs(&self, material: MaterialId, glow: Option<&Glow>) -> bool {
+        let mut reads = Reads::default();
+        self.materials.add_reads(material, &mut reads);
+        if let Some(glow) = glow {
+            glow.radiance.add_reads(&mut reads);
+        }
+        reads.uvs
     }
 
     /// Curves that follow each other and are alike make one mesh: hair has a hundred thousand.
@@ -160,19 +171,24 @@ impl<'s> Importer<'s> {
         &mut self,
         p: &Params<'_, 's>,
         to_world: DAffine3,
-        material: MaterialId,
+        textured: bool,
     ) -> Result<PendingGeometry<'s>, String> {
-        let mut reads = Reads::default();
-        self.materials.add_reads(material, &mut reads);
         let round = match p.name() {
             "plymesh" => return self.ply(p, to_world),
-            "trianglemesh" => InlineKind::Triangles(self.vertices(p, 3)?),
+            "trianglemesh" => {
+                let vertices = self.vertices(p, 3)?;
+                // What is textured without coordinates has pbrt's own.
+                match vertices.uvs.is_none() && textured {
+                    true => InlineKind::Separate(vertices),
+                    false => InlineKind::Triangles(vertices),
+                }
+            }
             "bilinearmesh" => InlineKind::Patches(self.vertices(p, 4)?),
             "loopsubdiv" => self.subdivision(p)?,
             "curve" => InlineKind::Curves(vec![self.curve(p)?]),
             "sphere" => return Ok(self.sphere(p, to_world)),
             "cylinder" => return Ok(self.cylinder(p, to_world)),
-            "disk" => return Ok(self.disk(p, to_world, reads.uvs)),
+            "disk" => return Ok(self.disk(p, to_world, textured)),
             "cone" => self.round(
                 p,
                 RoundKind::Cone {
@@ -354,10 +370,10 @@ impl<'s> Importer<'s> {
             }
         };
         if kind == "flat" {
-            self.warn(
+            self.warn_once(
+                p.at(),
                 "flat curves, which face whoever looks at them, are rendered as round ones \
-                of the same width"
-                    .into(),
+                of the same width",
             );
         }
         Ok(Curve {

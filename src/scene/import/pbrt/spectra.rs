@@ -7,57 +7,15 @@
 
 use super::color_space::of_chromaticity;
 use super::importer::{Importer, Role};
+use super::named_spectra::{D_LINE, GLASSES, ILLUMINANTS, metal};
 use super::parameter::{Kind, Parameter, Values};
 use super::params::Params;
 use crate::math::{Rgb, luminance};
 use crate::scene::import::spectrum::{self, Weighting};
-use crate::scene::import::{ior, named, numbers};
+use crate::scene::import::{named, numbers};
 
 /// Every kind that can stand for a colour.
 pub(super) const COLORS: &[Kind] = &[Kind::Rgb, Kind::Xyz, Kind::Blackbody, Kind::Spectrum];
-
-/// Wavelength at which indices of refraction of glass are listed: the helium d line, nm.
-const D_LINE: f64 = 587.6;
-
-/// Glasses of pbrt: refractive index at the d line (catalogue of Schott).
-pub(super) const GLASSES: &[(&str, f64)] = &[
-    ("glass-BK7", 1.5168),
-    ("glass-BAF10", 1.6700),
-    ("glass-FK51A", 1.4866),
-    ("glass-LASF9", 1.8503),
-    ("glass-F5", 1.6034),
-    ("glass-SF5", 1.6727),
-    ("glass-F10", 1.6228),
-    ("glass-SF10", 1.7283),
-    ("glass-F11", 1.6206),
-    ("glass-SF11", 1.7847),
-];
-
-/// Standard illuminants: chromaticities (CIE 15:2004; ACES: S-2008-001).
-pub(super) const ILLUMINANTS: &[(&str, [f64; 2])] = &[
-    ("stdillum-A", [0.447_57, 0.407_45]),
-    ("stdillum-D50", [0.345_67, 0.358_50]),
-    ("stdillum-D65", [0.312_72, 0.329_03]),
-    ("stdillum-F1", [0.3131, 0.337_27]),
-    ("stdillum-F2", [0.372_08, 0.375_29]),
-    ("stdillum-F3", [0.4091, 0.3943]),
-    ("stdillum-F4", [0.440_18, 0.403_29]),
-    ("stdillum-F5", [0.313_79, 0.345_31]),
-    ("stdillum-F6", [0.3779, 0.388_35]),
-    ("stdillum-F7", [0.312_92, 0.329_33]),
-    ("stdillum-F8", [0.345_88, 0.358_75]),
-    ("stdillum-F9", [0.374_17, 0.372_81]),
-    ("stdillum-F10", [0.346_09, 0.359_86]),
-    ("stdillum-F11", [0.380_52, 0.377_13]),
-    ("stdillum-F12", [0.436_95, 0.404_41]),
-    ("illum-acesD60", [0.321_68, 0.337_67]),
-];
-
-/// Metals of pbrt that [`ior::conductor`] knows by another part of the name.
-pub(super) const METALS: &[&str] = &["Ag", "Al", "Au", "Cu", "CuZn", "MgO", "TiO2"];
-
-/// Brass (70 % copper): eta and k at 650, 550 and 450 nm (Querry, "Optical constants", 1985).
-const BRASS: [[f32; 3]; 2] = [[0.444, 0.527, 1.094], [3.695, 2.765, 1.829]];
 
 /// A colour before it is known what it is for.
 enum Color {
@@ -243,22 +201,6 @@ impl<'s> Importer<'s> {
         })?;
         let samples = numbers::samples(&text).map_err(|e| format!("{}: {e}", path.display()))?;
         Ok(Color::Curve(samples))
-    }
-}
-
-/// Eta or k of a metal, such as `metal-Au-eta`.
-fn metal(name: &str) -> Option<Rgb> {
-    let name = name.strip_prefix("metal-")?;
-    let (symbol, part) = name.rsplit_once('-')?;
-    let (eta, k) = match symbol {
-        "CuZn" => (Rgb::from_array(BRASS[0]), Rgb::from_array(BRASS[1])),
-        _ if METALS.contains(&symbol) => ior::conductor(symbol)?,
-        _ => return None,
-    };
-    match part {
-        "eta" => Some(eta),
-        "k" => Some(k),
-        _ => None,
     }
 }
 

@@ -27,11 +27,10 @@ impl<'s> Importer<'s> {
                 "reflectance" => Role::Reflectance,
                 _ => Role::Unbounded,
             };
-            self.texture_given(p, name, role).map(|t| t.mean())
+            self.mean_given(p, name, role)
         });
         let (sigma_a, sigma_s) = match (p.text("name"), sigma_a, sigma_s, reflectance) {
-            (Some(name), ..) => super::presets::coefficients(name)
-                .ok_or_else(|| format!("there are no coefficients of \"{name}\""))?,
+            (Some(name), ..) => super::presets::coefficients(name)?,
             (None, Some(a), Some(s), _) => (a, s),
             (None, Some(_), None, _) | (None, None, Some(_), _) => {
                 return Err("\"sigma_a\" and \"sigma_s\" go together".into());
@@ -72,12 +71,11 @@ impl<'s> Importer<'s> {
             Some(name) => self.texture(p, name, Role::Reflectance, 0.5),
             None => {
                 let of = |importer: &mut Self, name| {
-                    let texture = importer.texture_given(p, name, Role::Number);
-                    texture.map(|t| luminance(t.mean()))
+                    let given = importer.mean_given(p, name, Role::Number);
+                    given.map(luminance)
                 };
-                let absorbed = self.texture_given(p, "sigma_a", Role::Unbounded);
+                let absorbed = self.mean_given(p, "sigma_a", Role::Unbounded);
                 let (eu, pheo) = (of(self, "eumelanin"), of(self, "pheomelanin"));
-                let absorbed = absorbed.map(|t| t.mean());
                 let sigma_a = absorbed.unwrap_or_else(|| pigment(eu, pheo));
                 Texture::Constant(hair_color(sigma_a, luminance(smooth.mean())))
             }

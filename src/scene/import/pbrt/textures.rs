@@ -2,6 +2,7 @@
 
 use super::graphics::Definition;
 use super::importer::{Importer, Role};
+use super::nested::Limits;
 use super::parameter::{Kind, Parameter, Values};
 use super::params::Params;
 use super::statement::Directive;
@@ -26,14 +27,14 @@ pub(super) const TEXTURES: &[&str] = &[
     "marble",
 ];
 
-/// Textures that one may be made of. Thirty that each hold the next one twice would be 2^30.
-const MOST_TEXTURES: usize = 256;
-/// Textures in textures.
-const DEEPEST: usize = 64;
+/// How textures may hold others.
+pub(super) const LIMITS: Limits = Limits {
+    things: "textures",
+    deepest: 64,
+    most: 256,
+};
 /// Octaves of noise: beyond them no float has digits.
 const MOST_OCTAVES: u32 = 32;
-/// Share of the plane that dots cover: half of the cells hold one of radius 0.35.
-const DOTS: f32 = 0.5 * std::f32::consts::PI * 0.35 * 0.35;
 
 impl<'s> Importer<'s> {
     /// The texture `name`; `default` everywhere if it is not given, or wrong.
@@ -76,6 +77,23 @@ impl<'s> Importer<'s> {
         }
     }
 
+    /// The texture `name` where a single value is all that can be rendered: its mean, which is told.
+    pub fn mean_given(
+        &mut self,
+        p: &Params<'_, 's>,
+        name: &'static str,
+        role: Role,
+    ) -> Option<Rgb> {
+        let texture = self.texture_given(p, name, role)?;
+        if texture.constant().is_none() {
+            self.warn_at(
+                p.place_of(name),
+                &format!("\"{name}\" is the same everywhere here: its texture's mean"),
+            );
+        }
+        Some(texture.mean())
+    }
+
     /// The texture of that name, one of numbers or of colours.
     pub fn named_texture(
         &mut self,
@@ -104,35 +122,25 @@ impl<'s> Importer<'s> {
     /// The texture of a definition. The same definition gives the same texture.
     fn texture_of(&mut self, definition: &Definition<'s>, role: Role) -> Texture {
         let key = (definition.identity(), role);
-        if let Some((texture, size)) = self.texture_of.get(&key) {
-            self.texture_size += size;
-            return texture.clone();
+        if let Some(texture) = self.texture_of.known(&key) {
+            return texture;
         }
-        let before = std::mem::replace(&mut self.texture_size, 1);
-        self.depth += 1;
-        let made = match self.depth > DEEPEST {
-            true => Err("textures are nested too deep, or hold themselves".to_owned()),
-            false => self.make_texture(definition, role),
+        let begun = self.texture_of.begin();
+        let made = match &begun.too_deep {
+            Ok(()) => self.make_texture(definition, role),
+            Err(message) => Err(message.clone()),
         };
-        self.depth -= 1;
-        let size = self.texture_size.min(MOST_TEXTURES + 1);
-        let made = match made {
-            Ok(_) if size > MOST_TEXTURES => Err(format!(
-                "this texture is made of more than {MOST_TEXTURES}, one that is used twice \
-                 counted twice"
-            )),
-            made => made,
-        };
-        let (texture, size) = match made {
-            Ok(texture) => (self.within(texture, role, definition), size),
+        let made = made.and_then(|texture| self.texture_of.bounded().map(|()| texture));
+        let is_whole = made.is_ok();
+        let texture = match made {
+            Ok(texture) => self.within(texture, role, definition),
             Err(message) => {
                 self.source
                     .fault(definition.at, message, "mid-grey takes its place");
-                (Texture::Constant(Rgb::splat(0.5)), 1)
+                Texture::Constant(Rgb::splat(0.5))
             }
         };
-        self.texture_size = before + size;
-        self.texture_of.insert(key, (texture.clone(), size));
+        self.texture_of.end(&begun, key, &texture, is_whole);
         texture
     }
 
@@ -187,16 +195,11 @@ impl<'s> Importer<'s> {
             "bilerp" => self.bilinear(p, part),
             "imagemap" => self.image_map(p, role)?,
             "checkerboard" => self.checkerboard(p, part)?,
-            "dots" => {
-                let message = "the dots are left out: their mean colour takes their place";
-                self.warn_at(p.at(), message);
-                let _ = self.mapping(p);
-                computed(Computed::Mix {
-                    first: self.texture(p, "outside", part, 0.0),
-                    second: self.texture(p, "inside", part, 1.0),
-                    amount: Texture::Constant(Rgb::splat(DOTS)),
-                })
-            }
+            "dots" => computed(Computed::Dots {
+                inside: self.texture(p, "inside", part, 1.0),
+                outside: self.texture(p, "outside", part, 0.0),
+                to_uv: UvTransform(self.mapping(p)),
+            }),
             "fbm" => self.noise(p, NoiseKind::Fbm(octaves(p)))?,
             "wrinkled" => self.noise(p, NoiseKind::Wrinkled(octaves(p)))?,
             "windy" => self.noise(p, NoiseKind::Windy)?,
@@ -311,7 +314,7 @@ impl<'s> Importer<'s> {
 
 const NOT_AFFINE: &str = "the texture's transform is no affine map";
 
-fn computed(formula: Computed) -> Texture {
+pub(super) fn computed(formula: Computed) -> Texture {
     let constant = formula.constant();
     constant.map_or_else(|| Texture::Computed(Arc::new(formula)), Texture::Constant)
 }

@@ -10,7 +10,7 @@ fn a_triangle_without_indices_is_flat_and_where_it_says() {
     assert_eq!(parts.shapes.len(), 1);
     assert_eq!(corners(&parts, 0), UNIT);
     assert!(mesh(&parts, 0).normals.is_none());
-    assert_eq!(parts.warnings, Vec::<String>::new());
+    assert_eq!(*parts.warnings, [""; 0]);
 }
 
 #[test]

@@ -8,11 +8,11 @@ use crate::medium::{Extinction, VACUUM};
 use crate::texture::{Filter, Wrap};
 
 /// The parts of a triangle with that material; all three corners have texture coordinates.
-fn made_of(material: Value) -> Parts {
+pub(super) fn made_of(material: Value) -> Parts {
     with_material(material).load()
 }
 
-fn with_material(material: Value) -> File {
+pub(super) fn with_material(material: Value) -> File {
     let mut file = File::triangle();
     let uvs = file.floats(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);
     file.primitive()["attributes"]["TEXCOORD_0"] = uvs.into();
@@ -22,7 +22,7 @@ fn with_material(material: Value) -> File {
 }
 
 /// What lies beneath layers that hold one material.
-fn core(parts: &Parts, id: MaterialId) -> &Material {
+pub(super) fn core(parts: &Parts, id: MaterialId) -> &Material {
     match parts.materials.get(id) {
         Material::TwoSided { front, .. } => core(parts, *front),
         Material::Mask { inner, .. } | Material::NormalMap { inner, .. } => core(parts, *inner),
@@ -44,7 +44,7 @@ fn opaque(parts: &Parts) -> &MetallicRoughness {
     }
 }
 
-fn value(texture: &Texture) -> f32 {
+pub(super) fn value(texture: &Texture) -> f32 {
     texture.constant().unwrap().x
 }
 
@@ -132,47 +132,6 @@ fn what_is_unlit_shows_its_colour_and_reflects_nothing() {
         }}));
         assert_eq!(parts.faint, faint, "{strength}");
     }
-}
-
-#[test]
-fn a_coat_has_normals_of_its_own() {
-    let map = |material: Value| {
-        let mut file = with_material(material);
-        let dir = tempfile::tempdir().unwrap();
-        let image = dir.path().join("flat.exr");
-        let flat = Image::from_rgb(1, 1, &[Rgb::new(0.5, 0.5, 1.0)]);
-        crate::image::write(&image, &flat, &WriteOptions::default()).unwrap();
-        file.json["images"] = json!([{"uri": image.to_str().unwrap()}]);
-        file.json["textures"] = json!([{"source": 0}, {"source": 0}]);
-        let parts = file.load();
-        // From the outside in.
-        let (mut names, mut id) = (Vec::new(), parts.shapes[0].material);
-        loop {
-            let material = parts.materials.get(id);
-            names.push(material.name());
-            id = match material {
-                Material::TwoSided { front, .. } => *front,
-                Material::NormalMap { inner, .. } | Material::ClearCoat { inner, .. } => *inner,
-                _ => return (names[1..].join(" "), parts.warnings.join(" ")),
-            };
-        }
-    };
-    let coat = |normals: Value| {
-        let mut coat = json!({"clearcoatFactor": 1});
-        if !normals.is_null() {
-            coat["clearcoatNormalTexture"] = normals;
-        }
-        let extensions = json!({"KHR_materials_clearcoat": coat});
-        map(json!({"normalTexture": {"index": 0}, "extensions": extensions}))
-    };
-    let (names, told) = coat(Value::Null);
-    assert_eq!(names, "clearcoat normalmap metallic-roughness");
-    assert_eq!(told, "");
-    let (names, _) = coat(json!({"index": 0}));
-    assert_eq!(names, "normalmap clearcoat metallic-roughness");
-    let (names, told) = coat(json!({"index": 1}));
-    assert_eq!(names, "normalmap clearcoat normalmap metallic-roughness");
-    assert!(told.contains("clearcoatNormalTexture"), "{told}");
 }
 
 #[test]
@@ -273,24 +232,6 @@ fn transmission_is_thin_unless_there_is_a_volume() {
 }
 
 #[test]
-fn a_coat_lies_around_the_rest() {
-    let parts = made_of(json!({"extensions": {"KHR_materials_clearcoat": {
-        "clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.25,
-    }}}));
-    let Material::ClearCoat {
-        weight,
-        roughness,
-        inner,
-    } = core(&parts, parts.shapes[0].material)
-    else {
-        panic!("{parts:?}")
-    };
-    assert_eq!((value(weight), value(roughness)), (0.5, 0.25));
-    let inner = parts.materials.get(*inner);
-    assert!(matches!(inner, Material::MetallicRoughness(_)), "{inner:?}");
-}
-
-#[test]
 fn vertex_colours_multiply_the_base() {
     let mut file = with_material(json!({"pbrMetallicRoughness": {"metallicFactor": 0}}));
     let colors = file.floats(&[[0.5f32, 0.25, 1.0, 0.5]; 3]);
@@ -381,7 +322,7 @@ fn images_of_facets_and_their_gloss_count_texel_by_texel() {
     };
     let mut parts = Parts::default();
     load(&path, &gltf, &ImportOptions::new(store), &mut parts).unwrap();
-    assert_eq!(parts.warnings, Vec::<String>::new());
+    assert_eq!(*parts.warnings, [""; 0]);
     let (base, metal, share) = halves(&parts);
     let at = |texture: &Texture, u: f32| {
         let uv = crate::math::Vec2::new(u, 0.5);

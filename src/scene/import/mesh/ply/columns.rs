@@ -27,7 +27,7 @@ pub(super) struct Attribute {
     pub scale: f32,
 }
 
-const UV_NAMES: [[&str; 2]; 4] = [
+pub(super) const UV_NAMES: [[&str; 2]; 4] = [
     ["u", "v"],
     ["s", "t"],
     ["texture_u", "texture_v"],

@@ -13,6 +13,8 @@ mod columns;
 mod corners;
 mod header;
 mod table;
+#[cfg(test)]
+mod tests;
 mod walk;
 
 use super::{Fault, MeshOptions, Raw, place, polygon};

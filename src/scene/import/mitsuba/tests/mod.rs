@@ -1,6 +1,7 @@
 //! Tests of the importer as a whole.
 
 mod broken;
+mod emitters;
 mod far_away;
 mod growth;
 mod left_out;

@@ -22,7 +22,7 @@ fn color(folder: &Folder, name: &str) -> (Rgb, Vec<String>) {
     let parts = folder.load(&[name], None).unwrap();
     let list = &mesh(&parts, 0).attributes.list;
     let colors = list.iter().find(|a| a.name == palette::VERTEX_COLOR);
-    (colors.unwrap().values[0], parts.warnings)
+    (colors.unwrap().values[0], parts.warnings.into_list())
 }
 
 #[test]
@@ -65,7 +65,7 @@ fn an_image_that_a_comment_names_lies_on_the_surface_with_v_upwards() {
     for (uv, expected) in [("0.25 0.75", Rgb::X), ("0.75 0.25", Rgb::ONE)] {
         folder.write("a.ply", triangle(head, st, uv));
         let parts = folder.load(&["a.ply"], None).unwrap();
-        assert_eq!(parts.warnings, Vec::<String>::new());
+        assert_eq!(*parts.warnings, [""; 0]);
         let uv: Vec2 = mesh(&parts, 0).uvs.as_ref().unwrap()[0];
         let texture = reflectance(&parts, parts.shapes[0].material);
         assert_eq!(texture.eval(&SurfacePoint::at_uv(uv)), expected);

@@ -48,7 +48,7 @@ fn images_are_scaled_and_moved_with_v_upwards() {
             &folder,
             &format!("Kd 1 1 1\nKs 0 0 0\nmap_Kd {options} q.exr\n"),
         );
-        assert_eq!(parts.warnings, Vec::<String>::new());
+        assert_eq!(*parts.warnings, [""; 0]);
         assert_eq!(in_the_middle(&parts), color, "{options}");
     }
 }
@@ -212,7 +212,7 @@ fn libraries_are_found_by_odd_names_and_missed_with_a_hint() {
     ] {
         folder.write("a.obj", OBJ.replace("two.mtl", name));
         let parts = folder.load(&["a.obj"], None).unwrap();
-        assert_eq!(parts.warnings, Vec::<String>::new(), "{name}");
+        assert_eq!(*parts.warnings, [""; 0], "{name}");
         let red = reflectance(&parts, parts.shapes[0].material).constant();
         assert_eq!(red, Some(Rgb::new(0.8, 0.1, 0.1)));
         assert_eq!(parts.emitters.len(), 1);

@@ -79,7 +79,7 @@ fn reflectance(parts: &Parts, id: MaterialId) -> &Texture {
 #[test]
 fn an_obj_file_falls_apart_into_its_materials() {
     let parts = Folder::new().load(&["two.obj"], None).unwrap();
-    assert_eq!(parts.warnings, Vec::<String>::new());
+    assert_eq!(*parts.warnings, [""; 0]);
     assert_eq!(parts.shapes.len(), 2);
     let red = reflectance(&parts, parts.shapes[0].material).constant();
     assert_eq!(red, Some(Rgb::new(0.8, 0.1, 0.1)));
