@@ -8,7 +8,7 @@ use crate::guide::ppg::Target;
 use crate::integrate::View;
 use crate::integrate::guiding::{Guidance, Guide};
 use crate::integrate::manifold::{ManifoldSampling, find_chains};
-use crate::integrate::progress::Limits;
+use crate::integrate::progress::{Limits, Spent};
 use crate::integrate::training::extend::{check_scene, to_guide};
 use crate::integrate::training::mixtures::{self, LearnedMixtures, learn_mixtures};
 use crate::integrate::training::{LearnSettings, Learned, Learner, learn};
@@ -137,6 +137,14 @@ impl Guiding {
         let mixtures = self.mixtures.as_ref().map(|m| m.elapsed);
         let learner = self.learner.as_ref().map(Learner::elapsed);
         mixtures.or(learner).unwrap_or_default()
+    }
+
+    /// What a render has cost before its first sample, `before` this go and in this one.
+    pub fn spent_after(&self, before: Spent) -> Spent {
+        Spent {
+            time: before.time + self.elapsed(),
+            ..before
+        }
     }
 }
 

@@ -45,6 +45,7 @@ pub mod merge_fields;
 pub mod output;
 pub mod part_args;
 pub mod picture_args;
+pub mod prepared;
 pub mod preview;
 pub mod progress;
 pub mod quality;
