@@ -29,7 +29,7 @@ pub struct Opened {
     /// A number that tells it from others.
     pub fingerprint: u64,
     /// Whether it may be of another scene.
-    any_scene: bool,
+    pub any_scene: bool,
 }
 
 impl Opened {
@@ -84,9 +84,18 @@ impl Opened {
 /// # Errors
 /// When it cannot be used, or guiding is switched off beside it.
 pub fn wanted_file(args: &GuideArgs) -> Result<Option<Opened>, Failure> {
-    let Some(name) = &args.field else {
-        return Ok(None);
-    };
+    check_way(args)?;
+    args.field.as_ref().map(Opened::named).transpose()
+}
+
+/// Refuses a field beside a way of guiding that has none of its kind.
+///
+/// # Errors
+/// When guiding is switched off, or another way is asked for.
+pub fn check_way(args: &GuideArgs) -> Result<(), Failure> {
+    if args.field.is_none() {
+        return Ok(());
+    }
     if args.guide == Some(Way::None) {
         let help = "leave one of them away";
         return Err(Failure::wrong(
@@ -105,7 +114,7 @@ pub fn wanted_file(args: &GuideArgs) -> Result<Option<Opened>, Failure> {
         };
         return Err(Failure::wrong(message, help));
     }
-    Opened::named(name).map(Some)
+    Ok(())
 }
 
 /// What guides a render: a field that was kept, one that is learned on the way, or nothing.
