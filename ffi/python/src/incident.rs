@@ -2,7 +2,7 @@
 
 use crate::arrays;
 use crate::failure::Fault;
-use crate::scene::Scene;
+use crate::scene::{Scene, plain};
 use crate::words::{self, words};
 use crate::work;
 use pyo3::prelude::*;
@@ -27,7 +27,7 @@ struct Incident {
 }
 
 fn found(scene: &Scene, args: &FieldArgs, [x, y]: [u32; 2]) -> Result<Incident, Fault> {
-    let ready = scene.ready(args.size, &RayArgs::default())?;
+    let ready = scene.ready(plain(args.size), &RayArgs::default())?;
     let mut description = Loaded::clone(&ready.loaded).description;
     settings::resize(&mut description.film, args.size);
     let (width, height) = (description.film.width, description.film.height);

@@ -3,7 +3,7 @@
 use crate::failure::Fault;
 use crate::field::{Field, Guides};
 use crate::picture::{Picture, Render};
-use crate::scene::Scene;
+use crate::scene::{Scene, plain};
 use crate::words::{self, refuse, words};
 use crate::work::{self, Meanwhile};
 use pyo3::prelude::*;
@@ -17,7 +17,7 @@ use twintree::cli::error_track::ErrorTrack;
 use twintree::cli::help::options_of;
 use twintree::cli::invalid::{self, LeftOut};
 use twintree::cli::learning::{self, Opened};
-use twintree::cli::load::Loaded;
+use twintree::cli::load::{self, Loaded};
 use twintree::cli::prepared::{Prepared, Times};
 use twintree::cli::render_args::RenderArgs;
 use twintree::cli::scene_args::SceneArgs;
@@ -201,7 +201,9 @@ impl Work<'_> {
             true => Some(denoising::find(&self.args.files.oidn)?),
             false => None,
         };
-        let ready = self.scene.ready(self.args.picture.size, &self.args.rays)?;
+        let ready = self
+            .scene
+            .ready(load::Picture::of(&self.args), &self.args.rays)?;
         self.args.scene = ready.args;
         let args = &self.args;
         let mut loaded = Loaded::clone(&ready.loaded);
@@ -421,7 +423,7 @@ impl Scene {
 }
 
 fn learned(scene: &Scene, args: &TrainArgs, base: Option<&Opened>) -> Result<Field, Fault> {
-    let ready = scene.ready(args.size, &args.rays)?;
+    let ready = scene.ready(plain(args.size), &args.rays)?;
     let mut loaded = Loaded::clone(&ready.loaded);
     settings::resize(&mut loaded.description.film, args.size);
     let fingerprint = loaded.fingerprint()?;

@@ -40,14 +40,18 @@ struct State {
     /// Options, as words.
     keywords: Vec<String>,
     additions: Vec<Addition>,
-    /// Of a scene file, what it says.
-    base: Option<Loaded>,
+    /// Of a scene file, what it says, with texture coordinates that nothing reads or without.
+    base: Option<(bool, Loaded)>,
     kept: Option<Kept>,
 }
 
-/// What was made for the last render, and serves the next one of the same size.
+/// What is made anew for another picture: of models the size, and texture coordinates that nothing but
+/// a layer reads.
+type Key = (Option<u32>, Option<u32>, bool);
+
+/// What was made for the last render, and serves the next one of the same kind.
 struct Kept {
-    size: (Option<u32>, Option<u32>),
+    key: Key,
     loaded: Arc<Loaded>,
     built: Option<(String, Arc<twintree::scene::Scene>)>,
     times: Times,
@@ -90,50 +94,66 @@ impl State {
         })
     }
 
-    /// The scene as data, for pictures of this size.
-    fn loaded(&mut self, size: SizeArgs) -> Result<Loaded, Fault> {
-        let picture = Picture {
-            size,
-            tells_uvs: true,
-        };
+    /// What decides whether the scene is made anew for a picture.
+    fn key(&self, picture: Picture) -> Key {
+        let SizeArgs { width, height } = picture.size;
+        match &*self.input {
+            Input::Models(_) => (width, height, picture.tells_uvs),
+            // A scene file's camera does not follow the size.
+            Input::Scene(_) => (None, None, picture.tells_uvs),
+        }
+    }
+
+    /// The scene as data, for a picture.
+    fn loaded(&mut self, picture: Picture) -> Result<Loaded, Fault> {
         if let Input::Models(_) = &*self.input {
             let parts = additions::parts_of(&self.additions);
             return Ok(load_beside(parts, &self.args, &self.input, picture)?);
         }
-        if self.base.is_none() {
-            self.base = Some(read_files(&self.args, &self.input, Some(picture))?);
-        }
-        let base = self.base.as_ref().expect("it was loaded");
-        let mut loaded = base.clone();
+        let known = self
+            .base
+            .as_ref()
+            .filter(|(uvs, _)| *uvs == picture.tells_uvs);
+        let mut loaded = match known {
+            Some((_, base)) => base.clone(),
+            None => {
+                let base = read_files(&self.args, &self.input, Some(picture))?;
+                self.base = Some((picture.tells_uvs, base.clone()));
+                base
+            }
+        };
         additions::add_to(&mut loaded.description, &self.additions);
         Ok(loaded)
     }
 
-    fn ready(&mut self, size: SizeArgs, rays: &RayArgs) -> Result<Ready, Fault> {
-        work::own_scenes()?;
-        // A scene file's camera does not follow the size.
-        let size = match &*self.input {
-            Input::Models(_) => size,
-            Input::Scene(_) => SizeArgs::default(),
+    /// The scene as data, of what is kept or made anew.
+    fn kept(&mut self, picture: Picture) -> Result<&mut Kept, Fault> {
+        let key = self.key(picture);
+        let kept = match self.kept.take().filter(|kept| kept.key == key) {
+            Some(kept) => kept,
+            None => {
+                let start = Instant::now();
+                let loaded = self.loaded(picture)?;
+                let times = Times {
+                    load: start.elapsed().as_secs_f64(),
+                    triangles: triangles(&loaded.description),
+                    ..Times::default()
+                };
+                Kept {
+                    key,
+                    loaded: Arc::new(loaded),
+                    built: None,
+                    times,
+                }
+            }
         };
-        let key = (size.width, size.height);
-        if self.kept.as_ref().is_none_or(|kept| kept.size != key) {
-            self.kept = None;
-            let start = Instant::now();
-            let loaded = self.loaded(size)?;
-            let times = Times {
-                load: start.elapsed().as_secs_f64(),
-                triangles: triangles(&loaded.description),
-                ..Times::default()
-            };
-            self.kept = Some(Kept {
-                size: key,
-                loaded: Arc::new(loaded),
-                built: None,
-                times,
-            });
-        }
-        let kept = self.kept.as_mut().expect("it was made");
+        Ok(self.kept.insert(kept))
+    }
+
+    fn ready(&mut self, picture: Picture, rays: &RayArgs) -> Result<Ready, Fault> {
+        work::own_scenes()?;
+        let args = self.args.clone();
+        let kept = self.kept(picture)?;
         let how = format!("{rays:?}");
         let built = kept.built.as_ref().filter(|(other, _)| *other == how);
         let scene = match built {
@@ -151,7 +171,7 @@ impl State {
             loaded: kept.loaded.clone(),
             scene,
             times: kept.times,
-            args: self.args.clone(),
+            args,
         })
     }
 }
@@ -163,8 +183,8 @@ impl Scene {
 
     /// The scene built for a render, from what was built before where that serves. Called without
     /// Python's lock.
-    pub fn ready(&self, size: SizeArgs, rays: &RayArgs) -> Result<Ready, Fault> {
-        self.state().ready(size, rays)
+    pub fn ready(&self, picture: Picture, rays: &RayArgs) -> Result<Ready, Fault> {
+        self.state().ready(picture, rays)
     }
 
     /// The names of its files, for the command line's parser.
@@ -286,12 +306,12 @@ impl Scene {
     /// "max_depth", "warnings".
     fn info(&self, py: Python<'_>) -> PyResult<Py<PyDict>> {
         let loaded = work::run(py, None, || {
-            let mut state = self.state();
-            let key = SizeArgs::default();
-            if let Some(kept) = &state.kept {
-                return Ok(kept.loaded.clone());
-            }
-            Ok(Arc::new(state.loaded(key)?))
+            work::own_scenes()?;
+            Ok(self
+                .state()
+                .kept(plain(SizeArgs::default()))?
+                .loaded
+                .clone())
         })?;
         let of = &loaded.description;
         let info = PyDict::new(py);
@@ -318,6 +338,14 @@ impl Scene {
             let (title, more) = (state.args.title(), state.additions.len());
             format!("<twintree.Scene of {title}, {more} added>")
         })
+    }
+}
+
+/// A picture of a size, without the layer of texture coordinates.
+pub fn plain(size: SizeArgs) -> Picture {
+    Picture {
+        size,
+        tells_uvs: false,
     }
 }
 
@@ -382,19 +410,7 @@ pub fn load(
     let mut state = State::new(files, keywords)?;
     let state = work::run(py, None, move || {
         work::own_scenes()?;
-        let loaded = state.loaded(SizeArgs::default())?;
-        if let Input::Models(_) = &*state.input {
-            let times = Times {
-                triangles: triangles(&loaded.description),
-                ..Times::default()
-            };
-            state.kept = Some(Kept {
-                size: (None, None),
-                loaded: Arc::new(loaded),
-                built: None,
-                times,
-            });
-        }
+        state.kept(plain(SizeArgs::default()))?;
         Ok(state)
     })?;
     Ok(Scene {

@@ -74,15 +74,15 @@ class Shown:
             self.bar.set_postfix_str(f"noise {how['noise']:.4f}{of}", False)
         at = at if total is None else min(at, total)
         if at > self.done or last:
-            self.bar.update(round(at - self.done, 3))
+            self.bar.update(at - self.done)
             self.done = max(at, self.done)
 
     def _measure(self, how: dict[str, Any]) -> tuple[Optional[float], str, float]:
         if how["doing"] == "learning":
             return how["most_records"], " paths", how["records"]
         if how["most_seconds"] is not None:
-            return how["most_seconds"], "s", how["seconds"]
-        return how["most_spp"], "spp", how["spp"]
+            return how["most_seconds"], "s", round(how["seconds"], 1)
+        return how["most_spp"], "spp", int(how["spp"])
 
     def close(self) -> None:
         """Ends the bar."""
