@@ -126,8 +126,8 @@ pub fn refuse(keywords: &[String], names: &[&str], help: &str) -> Result<(), Fau
     Ok(())
 }
 
-/// The options of a command: a dictionary for each, with "name", "help", "values" (the words that it
-/// takes, if these are few), "flag" and "default".
+/// The options of a command: a dictionary for each, with "name", "help", "value" (a word for what it
+/// takes, such as "TIME"), "values" (the words that it takes, if these are few), "flag" and "default".
 #[pyfunction]
 pub fn options(py: Python<'_>, command: &str) -> PyResult<Py<PyList>> {
     let whole = Cli::command();
@@ -145,6 +145,8 @@ pub fn options(py: Python<'_>, command: &str) -> PyResult<Py<PyList>> {
         )?;
         let flag = !arg.get_action().takes_values();
         option.set_item("flag", flag)?;
+        let of = arg.get_value_names().and_then(|names| names.first());
+        option.set_item("value", of.filter(|_| !flag).map(|name| name.to_string()))?;
         let values = arg.get_possible_values();
         let values: Vec<String> = values.iter().map(|v| v.get_name().to_owned()).collect();
         option.set_item("values", if flag { Vec::new() } else { values })?;
