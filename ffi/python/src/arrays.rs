@@ -35,14 +35,12 @@ fn converted<'py>(
     // Numbers too large for 32 bits become infinite, which is told where it matters.
     let quiet = pyo3::types::PyDict::new(py);
     quiet.set_item("over", "ignore")?;
-    // What is of the type already is copied once, below.
-    let as_it_is = pyo3::types::PyDict::new(py);
-    as_it_is.set_item("copy", false)?;
     let state = numpy.call_method("errstate", (), Some(&quiet))?;
     state.call_method0("__enter__")?;
+    // What is as it should be already is copied once only, by the caller.
     let flat = array
         .call_method1("ravel", ())
-        .and_then(|a| a.call_method("astype", (dtype,), Some(&as_it_is)));
+        .and_then(|a| numpy.call_method1("require", (a, dtype, ("C", "A"))));
     state.call_method1("__exit__", (py.None(), py.None(), py.None()))?;
     Ok((flat?, shape))
 }
