@@ -2,12 +2,14 @@
 
 use crate::arrays::{finite, floats, integers, triples};
 use crate::failure::Fault;
+use crate::work;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::Path;
 use std::sync::Arc;
 use twintree::light::{Emitter, Falloff};
 use twintree::math::{Affine3A, Rgb, Vec3};
+use twintree::scene::import::ImportError;
 use twintree::scene::import::mesh::{Buffers, MeshOptions, from_buffers};
 use twintree::scene::import::models::palette::Paint;
 use twintree::scene::import::parts::Parts;
@@ -114,12 +116,11 @@ pub fn mesh(
         flat_without_normals: !smooth,
         ..MeshOptions::default()
     };
-    let loaded = vertices
-        .py()
-        .detach(|| from_buffers(buffers, &options, Path::new("")));
-    // The name of a file that is none.
-    let loaded = loaded
-        .map_err(|e| Fault::from(twintree::scene::import::ImportError { file: None, ..e }))?;
+    let loaded = work::run(vertices.py(), None, || {
+        let loaded = from_buffers(buffers, &options, Path::new(""));
+        // The name of a file that is none.
+        loaded.map_err(|e| ImportError { file: None, ..e }.into())
+    })?;
     if loaded.mesh.triangles.triangles().is_empty() {
         return Err(Fault::Value("faces: no triangle has an area".into()).into());
     }

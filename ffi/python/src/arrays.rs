@@ -1,5 +1,5 @@
-//! Arrays in and out. What comes in is copied: it may be of any type of real numbers, any strides and
-//! read-only, and Python may change it meanwhile.
+//! Arrays in and out. What comes in is copied: it may be of any type of real numbers, any strides
+//! and read-only, and Python may change it meanwhile.
 
 use crate::failure::Fault;
 use numpy::{PyArray1, PyArrayMethods, PyUntypedArrayMethods};

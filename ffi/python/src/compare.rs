@@ -52,7 +52,8 @@ impl Source {
     }
 }
 
-/// An array (H, W), (H, W, 1), (H, W, 3) or (H, W, 4) as an image; numbers of 8 bits have the sRGB curve.
+/// An array (H, W), (H, W, 1), (H, W, 3) or (H, W, 4) as an image; numbers of 8 bits have the sRGB
+/// curve.
 fn from_array(name: &str, value: &Bound<'_, PyAny>) -> PyResult<(Image, bool)> {
     let shown = value.getattr("dtype").and_then(|d| d.getattr("name"));
     let shown = shown
@@ -112,13 +113,14 @@ fn compared(image: &Source, reference: &Source, args: &CompareArgs) -> Result<Ou
     })
 }
 
-/// How far `image` is from `reference`: each an array (H, W, 3) of linear light, or of 8 bits with the sRGB
-/// curve, a `Render`, or the name of a file.
+/// How far `image` is from `reference`: each an array (H, W, 3) of linear light, or of 8 bits with
+/// the sRGB curve, a `Render`, or the name of a file.
 ///
-/// Returns the numbers of `twintree compare`: "l1", "mse", "rmse", "relmse", "relmse_trimmed", "relmse_4x4",
-/// "relmse_16x16", "ssim", "psnr", "flip", "mean_ratio", "mean_ratio_rgb", "fireflies", "not_finite", and "z",
-/// whether noise explains the difference, where both have the layer "variance"; and "maps": "flip" (H, W), from
-/// 0 to 1, and "difference" (H, W, 3), red where the image is too bright, blue where too dark.
+/// Returns the numbers of `twintree compare`: "l1", "mse", "rmse", "relmse", "relmse_trimmed",
+/// "relmse_4x4", "relmse_16x16", "ssim", "psnr", "flip", "mean_ratio", "mean_ratio_rgb",
+/// "fireflies", "not_finite", and "z", whether noise explains the difference, where both have the
+/// layer "variance"; and "maps": "flip" (H, W), from 0 to 1, and "difference" (H, W, 3), red where
+/// the image is too bright, blue where too dark.
 ///
 /// `exposure` in stops and `data_range` are those of the command line.
 #[pyfunction]

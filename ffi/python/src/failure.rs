@@ -89,25 +89,3 @@ fn without_placeholder(text: &str) -> &str {
         .and_then(|t| t.split_once('>'))
         .map_or(text, |(_, rest)| rest)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn options_are_told_as_keyword_arguments() {
-        for (text, expected) in [
-            ("'--spp <N>': 0 is", "'spp': 0 is"),
-            ("give --max-depth 3", "give max_depth 3"),
-            (
-                "--guide none does not go with --field",
-                "guide none does not go with field",
-            ),
-            ("a -- b", "a -- b"),
-            ("-----", "-----"),
-            ("", ""),
-        ] {
-            assert_eq!(in_keywords(text), expected);
-        }
-    }
-}

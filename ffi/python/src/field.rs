@@ -44,8 +44,9 @@ pub enum Guides {
     File,
 }
 
-/// A learned field of where light comes from: for any place a distribution of directions, to sample from
-/// and to evaluate. `Scene.train`, `Trainer.field` and `Field.load` make one. It does not change.
+/// A learned field of where light comes from: for any place a distribution of directions, to sample
+/// from and to evaluate. `Scene.train`, `Trainer.field` and `Field.load` make one. It does not
+/// change.
 ///
 /// Fields survive a fork: workers of a pool may use them.
 #[pyclass(frozen, module = "twintree")]
@@ -132,7 +133,8 @@ fn directions(value: &Bound<'_, PyAny>) -> PyResult<(Vec<Vec3>, Vec<usize>)> {
 
 #[pymethods]
 impl Field {
-    /// Reads a field that `save` or `twintree train` wrote. Raises `ValueError` where it is none, or damaged.
+    /// Reads a field that `save` or `twintree train` wrote. Raises `ValueError` where it is none,
+    /// or damaged.
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         work::run(py, None, move || {
@@ -150,7 +152,9 @@ impl Field {
     #[getter]
     fn stats(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         let shared = &self.shared;
-        let json = py.detach(|| FieldReport::of(&shared.name, &shared.file).to_json());
+        let json = work::run(py, None, || {
+            Ok(FieldReport::of(&shared.name, &shared.file).to_json())
+        })?;
         from_json(py, &json)
     }
 
@@ -161,9 +165,10 @@ impl Field {
         (settings.min.into(), settings.max.into())
     }
 
-    /// Draws `n` directions at each place: `positions` (N, 3) in the scene's units, `normals` (N, 3) unit
-    /// vectors, or None in a medium. Returns directions (N, n, 3), unit vectors towards light, and their
-    /// densities per steradian (N, n), float32. The same seed gives the same bits on any number of threads.
+    /// Draws `n` directions at each place: `positions` (N, 3) in the scene's units, `normals` (N,
+    /// 3) unit vectors, or None in a medium. Returns directions (N, n, 3), unit vectors towards
+    /// light, and their densities per steradian (N, n), float32. The same seed gives the same bits
+    /// on any number of threads.
     #[pyo3(signature = (positions, normals = None, n = 1, seed = 0, *, threads = None))]
     fn sample(
         &self,
@@ -209,9 +214,9 @@ impl Field {
         ))
     }
 
-    /// The density per steradian with which `sample` draws: `directions` of unit length, (N, 3), one for each
-    /// of `positions` (N, 3), or (N, M, 3), M for each; a single position (3,) takes any number. Returns (N,)
-    /// or (N, M), float32, positive everywhere. `normals` as for `sample`.
+    /// The density per steradian with which `sample` draws: `directions` of unit length, (N, 3),
+    /// one for each of `positions` (N, 3), or (N, M, 3), M for each; a single position (3,) takes
+    /// any number. Returns (N,) or (N, M), float32, positive everywhere. `normals` as for `sample`.
     #[pyo3(signature = (positions, normals, directions, *, threads = None))]
     fn pdf(
         &self,
@@ -253,8 +258,8 @@ impl Field {
         arrays::to_python(py, pdfs, &shape)
     }
 
-    /// Light that arrives at each of `positions` (N, 3), W/m^2 in red, green and blue: (N, 3), float32. In a
-    /// medium the fluence.
+    /// Light that arrives at each of `positions` (N, 3), W/m^2 in red, green and blue: (N, 3),
+    /// float32. In a medium the fluence.
     #[pyo3(signature = (positions, normals = None, *, threads = None))]
     fn irradiance(
         &self,

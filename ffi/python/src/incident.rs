@@ -79,13 +79,14 @@ fn directions(rows: u32) -> Vec<Vec3> {
 
 #[pymethods]
 impl Scene {
-    /// The light that arrives at what the pixel `x`, `y` sees, by brute force, without a field. Keywords are
-    /// those of `twintree field`: `rows=96` of the picture of directions, `spp=64` paths for each of its
-    /// pixels, `seed`, `max_depth`, `direct=True` to include light straight from lamps, `width` and `height`
-    /// of the film.
+    /// The light that arrives at what the pixel `x`, `y` sees, by brute force, without a field.
+    /// Keywords are those of `twintree field`: `rows=96` of the picture of directions, `spp=64`
+    /// paths for each of its pixels, `seed`, `max_depth`, `direct=True` to include light straight
+    /// from lamps, `width` and `height` of the film.
     ///
-    /// Returns "position" (3,), "normal" (3,), "directions" (rows, 2 rows, 3), "radiance" (rows, 2 rows, 3),
-    /// times the cosine to the normal, and "solid_angle" (rows, 2 rows) of each direction's pixel.
+    /// Returns "position" (3,), "normal" (3,), "directions" (rows, 2 rows, 3), "radiance" (rows, 2
+    /// rows, 3), times the cosine to the normal, and "solid_angle" (rows, 2 rows) of each
+    /// direction's pixel.
     #[pyo3(signature = (x, y, *, threads = None, **settings))]
     fn incident(
         &self,

@@ -1,5 +1,5 @@
-//! The program's messages. They come from any thread, and wait here until the one that holds Python's
-//! lock hands them to `logging`, under the name `twintree`.
+//! The program's messages. They come from any thread, and wait here until the one that holds
+//! Python's lock hands them to `logging`, under the name `twintree`.
 
 use pyo3::prelude::*;
 use std::fmt::Write as _;

@@ -27,9 +27,9 @@ pub struct Picture {
 
 /// What came of a render.
 ///
-/// `render["image"]` is the picture, an array (H, W, 3) of float32: linear sRGB, rows from the top; (H, W, 4)
-/// with `alpha=True`. Layers are beside it by their names, such as `render["albedo"]` (H, W, 3) and
-/// `render["depth"]` (H, W, 1): `arrays` is a dictionary of all.
+/// `render["image"]` is the picture, an array (H, W, 3) of float32: linear sRGB, rows from the top;
+/// (H, W, 4) with `alpha=True`. Layers are beside it by their names, such as `render["albedo"]` (H,
+/// W, 3) and `render["depth"]` (H, W, 1): `arrays` is a dictionary of all.
 #[pyclass(frozen, module = "twintree")]
 pub struct Render {
     /// The picture and its layers.
@@ -65,8 +65,8 @@ impl Render {
     }
 }
 
-/// Layers by name, in the order of the file, with the numbers of their channels. The picture itself has
-/// no name there.
+/// Layers by name, in the order of the file, with the numbers of their channels. The picture itself
+/// has no name there.
 fn layers(image: &Image) -> Vec<(String, Vec<usize>)> {
     let mut list: Vec<(String, Vec<usize>)> = Vec::new();
     for (number, channel) in image.channels.iter().enumerate() {
@@ -115,10 +115,10 @@ impl Render {
         self.arrays.bind(py).contains(name)
     }
 
-    /// Writes the picture: the name's end says how (`.exr .hdr .tif .png .jpg`). Keywords are the command
-    /// line's: `format="float"` and `compression=` of an EXR, `exposure=` in stops and `view=` of `.png` and
-    /// `.jpg`. Raises `ValueError` for a name that tells no format, `RuntimeError` where the file cannot be
-    /// written.
+    /// Writes the picture: the name's end says how (`.exr .hdr .tif .png .jpg`). Keywords are the
+    /// command line's: `format="float"` and `compression=` of an EXR, `exposure=` in stops and
+    /// `view=` of `.png` and `.jpg`. Raises `ValueError` for a name that tells no format,
+    /// `RuntimeError` where the file cannot be written.
     #[pyo3(signature = (path, **settings))]
     fn save(
         &self,

@@ -1,12 +1,12 @@
-//! The command line itself, for `python -m twintree`: in a process of its own, whose signals, terminal and
-//! threads it takes over.
+//! The command line itself, for `python -m twintree`: in a process of its own, whose signals,
+//! terminal and threads it takes over.
 
 use pyo3::prelude::*;
 use std::ffi::OsString;
 use twintree::cli::{Cli, console};
 
-/// Runs the command line with these words, the program's name before them, and returns the exit code.
-/// `program` are the words that start it.
+/// Runs the command line with these words, the program's name before them, and returns the exit
+/// code. `program` are the words that start it.
 #[pyfunction]
 pub fn main(py: Python<'_>, words: Vec<OsString>, program: Vec<OsString>) -> u8 {
     py.detach(|| {

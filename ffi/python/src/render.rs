@@ -28,6 +28,7 @@ use twintree::image::Image;
 use twintree::image::denoise::{DenoiseError, denoised};
 use twintree::integrate::progress::{Learning, Limits, Observer, Progress, Spent, StoppedBy};
 use twintree::integrate::training;
+use twintree::report::stats::Stats;
 
 /// Options of files and of the terminal, which a render in memory has none of.
 const OF_FILES: [&str; 12] = [
@@ -201,60 +202,25 @@ impl Work<'_> {
             true => Some(denoising::find(&self.args.files.oidn)?),
             false => None,
         };
-        let ready = self
-            .scene
-            .ready(load::Picture::of(&self.args), &self.args.rays)?;
+        let picture = load::Picture::of(&self.args);
+        let ready = self.scene.ready(picture, &self.args.rays)?;
         self.args.scene = ready.args;
-        let args = &self.args;
         let mut loaded = Loaded::clone(&ready.loaded);
-        settings::apply_to_film(args, &mut loaded.description)?;
-        if let Some(field) = &self.field {
+        settings::apply_to_film(&self.args, &mut loaded.description)?;
+        let field = self.field.take();
+        if let Some(field) = &field {
             field.check(loaded.fingerprint()?)?;
         }
-        let prepared = Prepared::new(args, &ready.scene, &loaded.description);
-        let mut film = Film::new(prepared.film);
-        let reference = args.reference.as_deref();
-        let track = reference.map(|path| ErrorTrack::against(path, prepared.film));
-        let track = track.transpose()?.map(Arc::new);
-        let start = Instant::now();
-        let mut guiding = prepared.guiding(self.field.take(), None)?;
-        let times = Times {
-            train: start.elapsed().as_secs_f64(),
-            ..ready.times
-        };
-        self.watcher
-            .pixels
-            .store(film.held_pixels(), Ordering::Relaxed);
-        self.watcher.change(|state| {
-            state.limits = Some(prepared.limits);
-            state.track = track.clone();
-        });
-        let before = guiding.spent_after(Spent::default());
-        let summary = prepared.trace(&mut guiding, &mut film, before, self.watcher);
-        let interrupted = summary.stopped_by == StoppedBy::Interrupt;
-        if film.samples_done() == 0 {
-            return Err(finish::nothing_done(interrupted).into());
-        }
-        finish::warn_of_gaps(&film);
-        let mut stats = prepared.stats(&loaded, (&film, &summary), &guiding, times);
-        self.watcher.change(|state| state.track = None);
-        if let Some(track) = track.and_then(Arc::into_inner) {
-            track.finish(&film, &summary, &mut stats);
-        }
-        if let Some((x, y, sample)) = film.first_invalid() {
-            tracing::warn!(
-                "{} samples were not finite and were left out; the first is sample {sample} of pixel {x},{y}",
-                film.invalid_samples()
-            );
-        }
-        invalid::check(args, LeftOut::of(&stats, guiding.learner.as_ref()))?;
+        let prepared = Prepared::new(&self.args, &ready.scene, &loaded.description);
+        let (film, mut stats) = self.trace(&prepared, &loaded, field, ready.times)?;
+        let interrupted = stats.stopped_by == "interrupt";
         let metadata = Metadata {
-            scene: args.scene.title(),
+            scene: self.args.scene.title(),
             settings: self.words.clone(),
             spp: stats.spp,
             seconds: stats.render_seconds,
         };
-        let mut image = film.image(args.files.layers(), &metadata);
+        let mut image = film.image(self.args.files.layers(), &metadata);
         if let Some(denoiser) = denoiser.filter(|_| !interrupted) {
             let start = Instant::now();
             image = clean(&denoiser, image, self.watcher)?;
@@ -267,6 +233,52 @@ impl Work<'_> {
             exposure: prepared.film.exposure,
             interrupted,
         })
+    }
+
+    /// Learns, fills a film, and measures.
+    fn trace(
+        &self,
+        prepared: &Prepared,
+        loaded: &Loaded,
+        field: Option<Opened>,
+        times: Times,
+    ) -> Result<(Film, Stats), Fault> {
+        let mut film = Film::new(prepared.film);
+        let reference = self.args.reference.as_deref();
+        let track = reference.map(|path| ErrorTrack::against(path, prepared.film));
+        let track = track.transpose()?.map(Arc::new);
+        let start = Instant::now();
+        let mut guiding = prepared.guiding(field, None)?;
+        let train = start.elapsed().as_secs_f64();
+        let pixels = film.held_pixels();
+        self.watcher.pixels.store(pixels, Ordering::Relaxed);
+        self.watcher.change(|state| {
+            state.limits = Some(prepared.limits);
+            state.track = track.clone();
+        });
+        let before = guiding.spent_after(Spent::default());
+        let summary = prepared.trace(&mut guiding, &mut film, before, self.watcher);
+        if film.samples_done() == 0 {
+            let interrupted = summary.stopped_by == StoppedBy::Interrupt;
+            return Err(finish::nothing_done(interrupted).into());
+        }
+        finish::warn_of_gaps(&film);
+        let times = Times { train, ..times };
+        let mut stats = prepared.stats(loaded, (&film, &summary), &guiding, times);
+        self.watcher.change(|state| state.track = None);
+        if let Some(track) = track.and_then(Arc::into_inner) {
+            track.finish(&film, &summary, &mut stats);
+        }
+        if let Some((x, y, sample)) = film.first_invalid() {
+            let count = film.invalid_samples();
+            tracing::warn!(
+                "{count} samples were not finite and were left out; the first is sample {sample} of \
+                 pixel {x},{y}"
+            );
+        }
+        let left_out = LeftOut::of(&stats, guiding.learner.as_ref());
+        invalid::check(&self.args, left_out)?;
+        Ok((film, stats))
     }
 }
 
@@ -302,11 +314,12 @@ fn field_of(
 
 #[pymethods]
 impl Scene {
-    /// Renders. Keywords are the options of `twintree render`: `spp=64`, `time=30` or `time="1m30s"`,
-    /// `noise=0.02`, `guide="none"`, `seed=1`, `width=`, `max_depth=`, `denoise=True`; `twintree.options(
-    /// "render")` lists all of them. Besides: `aovs=["albedo", "normal"]`, further layers; `field=`, a
-    /// `Field` or the name of a file; `threads=`; `progress=`, True, False, a class like `tqdm`, or None,
-    /// which shows a bar where somebody looks on.
+    /// Renders. Keywords are the options of `twintree render`: `spp=64`, `time=30` or
+    /// `time="1m30s"`, `noise=0.02`, `guide="none"`, `seed=1`, `width=`, `max_depth=`,
+    /// `denoise=True`; `twintree.options( "render")` lists all of them. Besides: `aovs=["albedo",
+    /// "normal"]`, further layers; `field=`, a `Field` or the name of a file; `threads=`;
+    /// `progress=`, True, False, a class like `tqdm`, or None, which shows a bar where somebody
+    /// looks on.
     ///
     /// The same settings give the same bits as on the command line, on any number of threads. Other
     /// threads of Python run meanwhile. Ctrl-C ends the render: what there is is returned, with
@@ -322,27 +335,7 @@ impl Scene {
         settings: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Render> {
         crate::messages::listen();
-        let mut keywords = words(settings)?;
-        refuse(
-            &keywords,
-            &OF_FILES,
-            "a render is returned, and save(path) of it writes files",
-        )?;
-        let of_scene: Vec<String> = options_of::<SceneArgs>()
-            .iter()
-            .filter_map(|arg| arg.get_long().map(str::to_owned))
-            .collect();
-        let of_scene: Vec<&str> = of_scene.iter().map(String::as_str).collect();
-        refuse(
-            &keywords,
-            &of_scene,
-            "give it to twintree.load, twintree.Scene or set() of the scene",
-        )?;
-        if let Some(layers) = aovs {
-            let layer = PyDict::new(py);
-            layer.set_item("aov", layers)?;
-            keywords.extend(words(Some(&layer))?);
-        }
+        let mut keywords = keywords_of(settings, aovs)?;
         let given = field_of(py, field)?;
         keywords.extend(given.iter().map(|(word, _)| word.clone()));
         let files = py.detach(|| self.files());
@@ -373,9 +366,10 @@ impl Scene {
         }
     }
 
-    /// Learns where light comes from, as `twintree train` does; keywords are its options: `photons=`,
-    /// `paths=`, `guide_model=`, `guide_memory="256M"`, `seed=`, `width=`. `field=`, a `Field` of this scene,
-    /// learns further over its structure. `threads` and `progress` are those of `render`.
+    /// Learns where light comes from, as `twintree train` does; keywords are its options:
+    /// `photons=`, `paths=`, `guide_model=`, `guide_memory="256M"`, `seed=`, `width=`. `field=`, a
+    /// `Field` of this scene, learns further over its structure. `threads` and `progress` are those
+    /// of `render`.
     ///
     /// Learning cannot be ended early: `KeyboardInterrupt` is raised after it.
     #[pyo3(signature = (*, field = None, threads = None, progress = None, **settings))]
@@ -432,6 +426,26 @@ fn learned(scene: &Scene, args: &TrainArgs, base: Option<&Opened>) -> Result<Fie
     }
     let of = (&*ready.scene, &loaded.description);
     Ok(Field::of(train::learn(args, of, base, fingerprint)?))
+}
+
+/// The words of a render's keyword arguments, those of files and of the scene refused.
+fn keywords_of(
+    settings: Option<&Bound<'_, PyDict>>,
+    aovs: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Vec<String>> {
+    let mut keywords = words(settings)?;
+    let help = "a render is returned, and save(path) of it writes files";
+    refuse(&keywords, &OF_FILES, help)?;
+    let options = options_of::<SceneArgs>();
+    let of_scene: Vec<&str> = options.iter().filter_map(|arg| arg.get_long()).collect();
+    let help = "give it to twintree.load, twintree.Scene or set() of the scene";
+    refuse(&keywords, &of_scene, help)?;
+    if let Some(layers) = aovs {
+        let layer = PyDict::new(layers.py());
+        layer.set_item("aov", layers)?;
+        keywords.extend(words(Some(&layer))?);
+    }
+    Ok(keywords)
 }
 
 /// The field that is to guide.

@@ -23,10 +23,10 @@ const READING: [&str; 3] = ["lenient", "texture_memory", "limit_decoded"];
 
 /// A scene: shapes, materials, lights and a camera.
 ///
-/// `Scene(**options)` is empty: `add_mesh` and `add_light` fill it, and a camera frames what is there.
-/// `twintree.load(path)` reads one from files. The options are those of the command line for models:
-/// `camera="orbit:30,20"` or `camera=(x, y, z)`, `look_at=(x, y, z)`, `fov=35`, `sky="studio"`, `envmap=`,
-/// `ground=`, `material=`, `up="y"`.
+/// `Scene(**options)` is empty: `add_mesh` and `add_light` fill it, and a camera frames what is
+/// there. `twintree.load(path)` reads one from files. The options are those of the command line for
+/// models: `camera="orbit:30,20"` or `camera=(x, y, z)`, `look_at=(x, y, z)`, `fov=35`,
+/// `sky="studio"`, `envmap=`, `ground=`, `material=`, `up="y"`.
 ///
 /// Scenes may be used from many threads at once.
 #[pyclass(frozen, module = "twintree")]
@@ -45,8 +45,8 @@ struct State {
     kept: Option<Kept>,
 }
 
-/// What is made anew for another picture: of models the size, and texture coordinates that nothing but
-/// a layer reads.
+/// What is made anew for another picture: of models the size, and texture coordinates that nothing
+/// but a layer reads.
 type Key = (Option<u32>, Option<u32>, bool);
 
 /// What was made for the last render, and serves the next one of the same kind.
@@ -211,8 +211,8 @@ impl Scene {
         Ok(Self { state })
     }
 
-    /// Changes options: of models and arrays, `camera=`, `sky=` and the like; of a scene file, values of
-    /// its `$names`. Others stay as they were.
+    /// Changes options: of models and arrays, `camera=`, `sky=` and the like; of a scene file,
+    /// values of its `$names`. Others stay as they were.
     #[pyo3(signature = (**options))]
     fn set(&self, py: Python<'_>, options: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
         let (files, old, is_file) = py.detach(|| {
@@ -250,11 +250,11 @@ impl Scene {
         Ok(())
     }
 
-    /// Adds a mesh: `vertices` (N, 3), in the scene's units; `faces` (M, 3), numbers of vertices, the
-    /// front counter-clockwise; `normals` (N, 3) or none; `material` as on the command line
-    /// ("clay", "gold", "plastic:0.8,0.1,0.1"); `emission`, radiance in W m^-2 sr^-1, a number or red,
-    /// green, blue, makes it a lamp that shines from its front; `smooth` computes normals where none are
-    /// given. Returns what was repaired, in words.
+    /// Adds a mesh: `vertices` (N, 3), in the scene's units; `faces` (M, 3), numbers of vertices,
+    /// the front counter-clockwise; `normals` (N, 3) or none; `material` as on the command line
+    /// ("clay", "gold", "plastic:0.8,0.1,0.1"); `emission`, radiance in W m^-2 sr^-1, a number or
+    /// red, green, blue, makes it a lamp that shines from its front; `smooth` computes normals
+    /// where none are given. Returns what was repaired, in words.
     #[pyo3(signature = (vertices, faces, *, material = "clay", normals = None, emission = None, name = None, smooth = false))]
     #[allow(clippy::too_many_arguments)]
     fn add_mesh(
@@ -287,9 +287,10 @@ impl Scene {
         Ok(warnings)
     }
 
-    /// Adds a lamp without a body: `"point"` (position, intensity in W/sr), `"spot"` (position, target,
-    /// intensity, cutoff and beam in degrees), `"directional"` (direction in which it travels, irradiance
-    /// in W/m^2), `"constant"` (radiance from everywhere). Colours are a number, or red, green and blue.
+    /// Adds a lamp without a body: `"point"` (position, intensity in W/sr), `"spot"` (position,
+    /// target, intensity, cutoff and beam in degrees), `"directional"` (direction in which it
+    /// travels, irradiance in W/m^2), `"constant"` (radiance from everywhere). Colours are a
+    /// number, or red, green and blue.
     #[pyo3(signature = (kind, **settings))]
     fn add_light(
         &self,
@@ -302,8 +303,8 @@ impl Scene {
         Ok(())
     }
 
-    /// What the scene consists of: "files", "shapes", "triangles", "emitters", "width", "height", "spp",
-    /// "max_depth", "warnings".
+    /// What the scene consists of: "files", "shapes", "triangles", "emitters", "width", "height",
+    /// "spp", "max_depth", "warnings".
     fn info(&self, py: Python<'_>) -> PyResult<Py<PyDict>> {
         let loaded = work::run(py, None, || {
             work::own_scenes()?;
@@ -381,12 +382,12 @@ fn define(name: &str, value: &Bound<'_, PyAny>) -> PyResult<String> {
     Ok(format!("--define={name}={text}"))
 }
 
-/// Reads a scene file (`.xml` of Mitsuba, `.pbrt`) or models (`.ply .obj .stl .gltf .glb`), several of them
-/// as further arguments.
+/// Reads a scene file (`.xml` of Mitsuba, `.pbrt`) or models (`.ply .obj .stl .gltf .glb`), several
+/// of them as further arguments.
 ///
-/// Of a scene file, keywords are values of its `$names` (`load("a.xml", spp=16)`), but for `lenient`,
-/// `texture_memory`, `limit_decoded` and `define`, a dictionary of more such values. Of models, keywords are
-/// the options of [`Scene`].
+/// Of a scene file, keywords are values of its `$names` (`load("a.xml", spp=16)`), but for
+/// `lenient`, `texture_memory`, `limit_decoded` and `define`, a dictionary of more such values. Of
+/// models, keywords are the options of [`Scene`].
 ///
 /// Raises `ValueError` with the file, line and column of what is wrong.
 #[pyfunction]

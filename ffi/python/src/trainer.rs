@@ -15,9 +15,10 @@ use twintree::math::Vec3;
 
 /// A field that learns from records of your own: photons that landed, and samples of camera paths.
 ///
-/// `Trainer(min, max, **settings)` covers the box from `min` to `max`. Settings are those of the program's
-/// `guide::Settings`: `memory` (bytes), `model` ("gauss", "vmf", "constant"), `source` ("photons", "paths",
-/// "both"), `normal_split`, `product`, `significance` and others; `Trainer.settings` shows them.
+/// `Trainer(min, max, **settings)` covers the box from `min` to `max`. Settings are those of the
+/// program's `guide::Settings`: `memory` (bytes), `model` ("gauss", "vmf", "constant"), `source`
+/// ("photons", "paths", "both"), `normal_split`, `product`, `significance` and others;
+/// `Trainer.settings` shows them.
 #[pyclass(frozen, module = "twintree")]
 pub struct Trainer {
     trainer: Mutex<guide::Trainer>,
@@ -125,15 +126,16 @@ impl Trainer {
             )))),
         };
         let settings = settings_of(corner("min", min)?, corner("max", max)?, settings)?;
-        let trainer = guide::Trainer::build(settings).map_err(Fault::from)?;
+        let trainer = work::run(min.py(), None, || Ok(guide::Trainer::build(settings)?))?;
         Ok(Self {
             trainer: Mutex::new(trainer),
         })
     }
 
-    /// Tells where surfaces are: `positions` (N, 3) spread uniformly over all of them, which together have
-    /// the `area`; a photon's power over the area of its cell is what the field learns. `normals` (N, 3) for
-    /// fields that are split by normals: a point for each side that light reaches.
+    /// Tells where surfaces are: `positions` (N, 3) spread uniformly over all of them, which
+    /// together have the `area`; a photon's power over the area of its cell is what the field
+    /// learns. `normals` (N, 3) for fields that are split by normals: a point for each side that
+    /// light reaches.
     #[pyo3(signature = (positions, area, normals = None))]
     fn set_surface(
         &self,
@@ -158,9 +160,10 @@ impl Trainer {
         })
     }
 
-    /// Learns from photons that landed: `positions` (N, 3), `directions` (N, 3), unit vectors towards where
-    /// the light came from, `powers` (N, 3) in W, not divided by the number of photons, which is `emitted`:
-    /// all that the lights sent out for this batch. `distances` (N,) to where it came from, `normals` (N, 3).
+    /// Learns from photons that landed: `positions` (N, 3), `directions` (N, 3), unit vectors
+    /// towards where the light came from, `powers` (N, 3) in W, not divided by the number of
+    /// photons, which is `emitted`: all that the lights sent out for this batch. `distances` (N,)
+    /// to where it came from, `normals` (N, 3).
     #[pyo3(signature = (positions, directions, powers, emitted, *, distances = None, normals = None))]
     #[allow(clippy::too_many_arguments)]
     fn train(
@@ -196,9 +199,10 @@ impl Trainer {
         })
     }
 
-    /// Learns from camera paths: at `positions` (N, 3) the `directions` (N, 3) were sampled with densities
-    /// `pdfs` (N,), per steradian, and brought `radiances` (N, 3), W m^-2 sr^-1. Samples that brought none are
-    /// part of the mean and must be given, too. A field learns from these with `source="paths"` or `"both"`.
+    /// Learns from camera paths: at `positions` (N, 3) the `directions` (N, 3) were sampled with
+    /// densities `pdfs` (N,), per steradian, and brought `radiances` (N, 3), W m^-2 sr^-1. Samples
+    /// that brought none are part of the mean and must be given, too. A field learns from these
+    /// with `source="paths"` or `"both"`.
     #[pyo3(signature = (positions, directions, radiances, pdfs, *, distances = None, normals = None))]
     #[allow(clippy::too_many_arguments)]
     fn train_paths(

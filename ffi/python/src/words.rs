@@ -1,7 +1,7 @@
 //! Keyword arguments are the command line's options: `spp=16` is `--spp=16`, `strict=True` is
-//! `--strict`, and a list is its items between commas. They are read by the command line's own parser,
-//! so that there is one definition of every setting, of its default and of what is said about a wrong
-//! one.
+//! `--strict`, and a list is its items between commas. They are read by the command line's own
+//! parser, so that there is one definition of every setting, of its default and of what is said
+//! about a wrong one.
 
 use crate::failure::{Fault, in_keywords};
 use clap::CommandFactory;
@@ -126,8 +126,9 @@ pub fn refuse(keywords: &[String], names: &[&str], help: &str) -> Result<(), Fau
     Ok(())
 }
 
-/// The options of a command: a dictionary for each, with "name", "help", "value" (a word for what it
-/// takes, such as "TIME"), "values" (the words that it takes, if these are few), "flag" and "default".
+/// The options of a command: a dictionary for each, with "name", "help", "value" (a word for what
+/// it takes, such as "TIME"), "values" (the words that it takes, if these are few), "flag" and
+/// "default".
 #[pyfunction]
 pub fn options(py: Python<'_>, command: &str) -> PyResult<Py<PyList>> {
     let whole = Cli::command();

@@ -1,9 +1,9 @@
-//! Work without Python's lock. It runs on a pool of threads of its own, while the calling thread looks
-//! ten times a second for Ctrl-C, shows progress and hands messages over.
+//! Work without Python's lock. It runs on a pool of threads of its own, while the calling thread
+//! looks ten times a second for Ctrl-C, shows progress and hands messages over.
 //!
 //! The pool lives as long as the call: no thread of it is left behind, so that a process may fork
-//! between calls. What scenes use (the ray tracer, the cache of textures) does not survive a fork: in a
-//! child of a process that has used it, it is refused in words.
+//! between calls. What scenes use (the ray tracer, the cache of textures) does not survive a fork:
+//! in a child of a process that has used it, it is refused in words.
 
 use crate::failure::Fault;
 use crate::messages;
@@ -52,8 +52,8 @@ impl Meanwhile for () {
     }
 }
 
-/// Runs `work` on so many threads. Ctrl-C sets `stop`, and the work ends when it sees that. Its outcome
-/// and, if anything was raised meanwhile, what that was.
+/// Runs `work` on so many threads. Ctrl-C sets `stop`, and the work ends when it sees that. Its
+/// outcome and, if anything was raised meanwhile, what that was.
 pub fn watched<T: Send>(
     py: Python<'_>,
     threads: Option<u16>,

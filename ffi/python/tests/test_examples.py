@@ -21,6 +21,18 @@ def run(name: str, where: Path) -> str:
     return done.stdout
 
 
+def test_the_manuals_ten_lines_do_what_they_say(tmp_path):
+    page = EXAMPLES.parents[2] / "src" / "manual" / "python.md"
+    lines = page.read_text(encoding="utf-8").split("```python\n")[1].split("```")[0]
+    (tmp_path / "scenes").symlink_to(EXAMPLES.parents[2] / "scenes")
+    command = [sys.executable, "-c", lines]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("(90, 160, 3)")
+    assert float(done.stdout.split()[-1]) == pytest.approx(1, abs=0.1)
+    assert (tmp_path / "picture.png").stat().st_size > 5_000
+
+
 def test_the_field_of_a_room_is_looked_into(tmp_path):
     pytest.importorskip("matplotlib")
     assert "share" in run("field_of_a_room", tmp_path)

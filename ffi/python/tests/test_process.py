@@ -65,6 +65,7 @@ def test_a_forked_process_refuses_scenes_in_words_and_has_fields():
 scene = twintree.load(SCENE)
 field = scene.train(photons=3000, paths=0, width=32)
 scene.render(spp=1, width=16, guide="none")
+field.stats
 sys.stdout.flush()
 if os.fork() == 0:
     for call in (lambda: scene.render(spp=1), lambda: twintree.load(SCENE), lambda: scene.train(photons=10)):
@@ -72,6 +73,8 @@ if os.fork() == 0:
             call()
         except RuntimeError as e:
             print("spawn" in str(e))
+    twintree.Scene().add_mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    twintree.Trainer((0, 0, 0), (1, 1, 1)).field().stats
     print(field.sample((0, 1, 0), None, 3)[0].shape, flush=True)
     os._exit(0)
 os.wait()
