@@ -19,6 +19,7 @@ use super::render_args::RenderArgs;
 use super::waiting::Waiting;
 use super::{Failure, frames, invalid, learning, settings, threads};
 use crate::film::Film;
+use crate::film::part::Record;
 use crate::integrate::progress::{MIN_SPP_FOR_NOISE, PASS_SPP, Spent, StoppedBy, Summary};
 use crate::report::stats::Stats;
 use crate::report::totals::triangles;
@@ -54,11 +55,10 @@ fn render(
 ) -> Result<(), Failure> {
     let input = Input::of(&args.scene)?;
     let outputs = Outputs::of_render(args, &input)?;
-    let denoising = match args.parts.shard {
-        // A part is no picture yet.
-        Some(_) => None,
-        None => Denoising::wanted(&args.files, console, interrupt)?,
-    };
+    // A part is no picture yet.
+    let whole = args.parts.shard.is_none();
+    let denoising = whole.then(|| Denoising::wanted(&args.files, console, interrupt));
+    let denoising = denoising.transpose()?.flatten();
     warn_of_shard(args);
     let mut times = Times::default();
     let mut loaded = read(args, &input, &mut times)?;
@@ -69,17 +69,11 @@ fn render(
         None => (timed(&mut times.build, || loaded.build(&args.rays))?, None),
     };
     let prepared = Prepared::new(args, &scene, &loaded.description);
-    let record = fingerprint.filter(|_| args.parts.wanted()).map(|scene| {
-        let field = field.as_ref().map(|f| f.fingerprint);
-        let of = Fingerprints { scene, field };
-        let (view, limits) = (&prepared.view(), &prepared.limits);
-        identity::record((args, prepared.way), view, limits, of, times.triangles)
-    });
+    let record = record(&prepared, (args, fingerprint, field.as_ref()), &times);
     let mut film = identity::film(args, prepared.film)?;
-    let track = match &args.reference {
-        Some(path) => Some(ErrorTrack::against(path, prepared.film)?),
-        None => None,
-    };
+    let reference = args.reference.as_ref();
+    let track = reference.map(|path| ErrorTrack::against(path, prepared.film));
+    let track = track.transpose()?;
     let checkpoint = Checkpoint::wanted(&args.parts, outputs.first(), record.as_ref());
     let Some(before) = go_on(args, &outputs, checkpoint.as_ref(), &mut film)? else {
         return Ok(());
@@ -113,6 +107,20 @@ fn render(
     let left_out = LeftOut::of(&stats, guiding.learner.as_ref());
     carried.keep(scene, guiding.learner.take());
     invalid::check(args, left_out)
+}
+
+/// What makes this render that render and no other, where parts or checkpoints need to know.
+fn record(
+    prepared: &Prepared,
+    (args, fingerprint, field): (&RenderArgs, Option<u64>, Option<&Opened>),
+    times: &Times,
+) -> Option<Record> {
+    let scene = fingerprint.filter(|_| args.parts.wanted())?;
+    let field = field.map(|f| f.fingerprint);
+    let of = Fingerprints { scene, field };
+    let (view, limits) = (&prepared.view(), &prepared.limits);
+    let how = (args, prepared.way);
+    Some(identity::record(how, view, limits, of, times.triangles))
 }
 
 /// The field that is to guide, if it is in a file, once it is known to be of the scene; the scene's
