@@ -8,7 +8,7 @@ use crate::texture::{SurfacePoint, Texture};
 use std::collections::HashMap;
 
 /// All materials of a scene.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Materials {
     pub(super) list: Vec<Prepared>,
     /// What the scene calls them, those that it has a name for.
@@ -16,7 +16,7 @@ pub struct Materials {
 }
 
 /// A material and what never changes about it.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Prepared {
     pub material: Material,
     /// Whether a mask is somewhere inside.

@@ -18,6 +18,7 @@ use super::sweep::args::SweepArgs;
 use super::table1::args::Table1Args;
 use super::train::TrainArgs;
 use clap::{Parser, Subcommand};
+use std::ffi::OsString;
 
 /// A physically based renderer that learns where light comes from before it renders.
 #[derive(Parser, Debug)]
@@ -37,6 +38,9 @@ pub struct Cli {
     /// What is to be said about options without effect.
     #[arg(skip)]
     pub idle: Vec<String>,
+    /// The words that start this program, where it is not a file of its own.
+    #[arg(skip)]
+    pub program: Vec<OsString>,
     /// Threads that load, build and render [default: all that the machine has]
     #[arg(short = 'j', long, global = true, value_name = "N",
           value_parser = clap::value_parser!(u16).range(1..), help_heading = "Machine")]

@@ -42,12 +42,8 @@ impl<'a> Denoising<'a> {
         console: &'a Console,
         interrupt: &'a Interrupt,
     ) -> Result<Self, Failure> {
-        let denoiser = Denoiser::find(args.oidn.as_deref()).map_err(|e| match e {
-            DenoiseError::Unusable { .. } => Failure::wrong(e, HOW_TO_NAME),
-            _ => Failure::refused(e, HOW_TO_GET),
-        })?;
         Ok(Self {
-            denoiser,
+            denoiser: find(args)?,
             console,
             interrupt,
         })
@@ -90,6 +86,17 @@ impl<'a> Denoising<'a> {
         let go_on = |_| !self.interrupt.requested();
         denoised(&self.denoiser, &picture, &go_on).unwrap_or(picture)
     }
+}
+
+/// Loads the library.
+///
+/// # Errors
+/// When it is missing or cannot be used; says how to get it.
+pub fn find(args: &OidnArgs) -> Result<Denoiser, Failure> {
+    Denoiser::find(args.oidn.as_deref()).map_err(|e| match e {
+        DenoiseError::Unusable { .. } => Failure::wrong(e, HOW_TO_NAME),
+        _ => Failure::refused(e, HOW_TO_GET),
+    })
 }
 
 const HOW_TO_GET: &str = "\"python3 -m pip install --target oidn --no-deps pyoidn\" brings it, and \

@@ -134,7 +134,7 @@ impl Done<'_> {
 }
 
 /// A render that has ended before its first sample.
-fn nothing_done(interrupted: bool) -> Failure {
+pub fn nothing_done(interrupted: bool) -> Failure {
     if interrupted {
         tracing::warn!("no sample was finished: nothing is written");
         return Failure::Interrupted;
@@ -146,7 +146,7 @@ fn nothing_done(interrupted: bool) -> Failure {
 }
 
 /// Says what stays black because the end came early.
-fn warn_of_gaps(film: &Film) {
+pub fn warn_of_gaps(film: &Film) {
     let (all, without) = film.held().fold((0, 0), |(all, without), tile| {
         (all + 1, without + u32::from(tile.done == 0))
     });

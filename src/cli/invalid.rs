@@ -4,6 +4,8 @@ use super::Failure;
 use super::farm::quote;
 use super::render_args::RenderArgs;
 use crate::film::Film;
+use crate::integrate::training::Learner;
+use crate::report::stats::Stats;
 
 /// What was left out of an image and of the field that guided it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -12,6 +14,16 @@ pub struct LeftOut {
     pub samples: u64,
     /// Photons.
     pub photons: u64,
+}
+
+impl LeftOut {
+    /// What was left out of an image that was measured, and of what was learned for it.
+    pub fn of(stats: &Stats, learner: Option<&Learner>) -> Self {
+        Self {
+            samples: stats.invalid_samples,
+            photons: learner.map_or(0, |l| l.counts().invalid),
+        }
+    }
 }
 
 /// Warns of samples that the film left out.

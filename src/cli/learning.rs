@@ -8,7 +8,7 @@ use crate::guide::ppg::Target;
 use crate::integrate::View;
 use crate::integrate::guiding::{Guidance, Guide};
 use crate::integrate::manifold::{ManifoldSampling, find_chains};
-use crate::integrate::progress::Limits;
+use crate::integrate::progress::{Limits, Spent};
 use crate::integrate::training::extend::{check_scene, to_guide};
 use crate::integrate::training::mixtures::{self, LearnedMixtures, learn_mixtures};
 use crate::integrate::training::{LearnSettings, Learned, Learner, learn};
@@ -29,7 +29,7 @@ pub struct Opened {
     /// A number that tells it from others.
     pub fingerprint: u64,
     /// Whether it may be of another scene.
-    any_scene: bool,
+    pub any_scene: bool,
 }
 
 impl Opened {
@@ -84,9 +84,18 @@ impl Opened {
 /// # Errors
 /// When it cannot be used, or guiding is switched off beside it.
 pub fn wanted_file(args: &GuideArgs) -> Result<Option<Opened>, Failure> {
-    let Some(name) = &args.field else {
-        return Ok(None);
-    };
+    check_way(args)?;
+    args.field.as_ref().map(Opened::named).transpose()
+}
+
+/// Refuses a field beside a way of guiding that has none of its kind.
+///
+/// # Errors
+/// When guiding is switched off, or another way is asked for.
+pub fn check_way(args: &GuideArgs) -> Result<(), Failure> {
+    if args.field.is_none() {
+        return Ok(());
+    }
     if args.guide == Some(Way::None) {
         let help = "leave one of them away";
         return Err(Failure::wrong(
@@ -105,7 +114,7 @@ pub fn wanted_file(args: &GuideArgs) -> Result<Option<Opened>, Failure> {
         };
         return Err(Failure::wrong(message, help));
     }
-    Opened::named(name).map(Some)
+    Ok(())
 }
 
 /// What guides a render: a field that was kept, one that is learned on the way, or nothing.
@@ -137,6 +146,14 @@ impl Guiding {
         let mixtures = self.mixtures.as_ref().map(|m| m.elapsed);
         let learner = self.learner.as_ref().map(Learner::elapsed);
         mixtures.or(learner).unwrap_or_default()
+    }
+
+    /// What a render has cost before its first sample, `before` this go and in this one.
+    pub fn spent_after(&self, before: Spent) -> Spent {
+        Spent {
+            time: before.time + self.elapsed(),
+            ..before
+        }
     }
 }
 

@@ -16,6 +16,7 @@ use crate::scene::fingerprint::{fingerprint, world_fingerprint};
 use crate::scene::import::default_scene::{Aperture, Sky, Studio};
 use crate::scene::import::gltf::Show;
 use crate::scene::import::models::{self, ModelKind, ModelOptions, ModelSource};
+use crate::scene::import::parts::Parts;
 use crate::scene::import::{ImportOptions, mitsuba, pbrt};
 use crate::scene::precautions::watertight_edges;
 use crate::scene::spare::{self, Trimmed};
@@ -25,7 +26,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// A scene as data, with the images that its textures use.
+/// A scene as data, with the images that its textures use. Copies share meshes and images.
+#[derive(Clone)]
 pub struct Loaded {
     /// The scene.
     pub description: Description,
@@ -254,7 +256,21 @@ fn check_no_defines(args: &SceneArgs) -> Result<(), Failure> {
 /// # Errors
 /// When the scene, or a file that it names, cannot be used.
 pub fn load(args: &SceneArgs, input: &Input, picture: Option<Picture>) -> Result<Loaded, Failure> {
-    load_in(args, input, &args.studio, picture)
+    load_in(args, input, (&args.studio, Parts::default()), picture)
+}
+
+/// Reads models beside `parts`, which are made elsewhere: the camera frames all of them. A scene
+/// takes none.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_beside(
+    parts: Parts,
+    args: &SceneArgs,
+    input: &Input,
+    picture: Picture,
+) -> Result<Loaded, Failure> {
+    load_in(args, input, (&args.studio, parts), Some(picture))
 }
 
 /// Reads a scene, or models without the light of a studio, which would stand among what is
@@ -267,13 +283,13 @@ pub fn load_unlit(args: &SceneArgs, input: &Input) -> Result<Loaded, Failure> {
         sky: args.studio.sky.clone().or(Some(Sky::None)),
         ..args.studio.clone()
     };
-    load_in(args, input, &studio, None)
+    load_in(args, input, (&studio, Parts::default()), None)
 }
 
 fn load_in(
     args: &SceneArgs,
     input: &Input,
-    studio: &StudioArgs,
+    around: (&StudioArgs, Parts),
     picture: Option<Picture>,
 ) -> Result<Loaded, Failure> {
     let decode = DecodeLimit {
@@ -296,7 +312,7 @@ fn load_in(
             pbrt::load(path, &options)?
         }
         Input::Scene(path) => mitsuba::load(path, &options)?,
-        Input::Models(sources) => load_models(sources, studio, &options, picture)?,
+        Input::Models(sources) => load_models(sources, around, &options, picture)?,
     };
     print_warnings(&description.warnings, args);
     let warnings = description.warnings.len() + advise_on_textures(&textures);
@@ -354,7 +370,7 @@ fn advise_on_textures(textures: &TextureStore) -> usize {
 
 fn load_models(
     sources: &[ModelSource],
-    args: &StudioArgs,
+    (args, parts): (&StudioArgs, Parts),
     options: &ImportOptions,
     picture: Option<Picture>,
 ) -> Result<Description, Failure> {
@@ -401,7 +417,7 @@ fn load_models(
         }
     }
     budget::check_files(sources)?;
-    let parts = models::load(sources, &settings, options)?;
+    let parts = models::load(sources, &settings, options, parts)?;
     let description = studio.compose(parts)?;
     let exposure = description.film.exposure;
     if picture.is_some() && exposure != 0.0 {

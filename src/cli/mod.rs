@@ -45,6 +45,7 @@ pub mod merge_fields;
 pub mod output;
 pub mod part_args;
 pub mod picture_args;
+pub mod prepared;
 pub mod preview;
 pub mod progress;
 pub mod quality;
@@ -96,7 +97,10 @@ impl Cli {
             Command::Make(args) => make::run(args),
             Command::Compare(args) => compare::run(args),
             Command::Table1(args) => table1::run(args),
-            Command::Sweep(args) => sweep::run(args, self.threads, (&console, &interrupt)),
+            Command::Sweep(args) => {
+                let watch = (&console, &interrupt, &self.program[..]);
+                sweep::run(args, self.threads, watch)
+            }
             Command::Bench(what) => bench::run(what),
             Command::Generate(args) => generate::run(args, &Cli::command()),
         }

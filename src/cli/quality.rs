@@ -11,6 +11,7 @@ use super::render_args::{Preset, RenderArgs};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::parser::ValueSource;
 use clap::{ArgMatches, CommandFactory, FromArgMatches};
+use std::ffi::OsString;
 
 /// What a quality stands for.
 struct Settings {
@@ -48,10 +49,18 @@ const fn settings(preset: Preset) -> Settings {
 impl Cli {
     /// Reads the command line. What is wrong with it is printed, and the program ends.
     pub fn read() -> Self {
+        Self::read_from(std::env::args_os()).unwrap_or_else(|e| e.exit())
+    }
+
+    /// Reads words, the program's name before them.
+    ///
+    /// # Errors
+    /// What is wrong with them.
+    pub fn read_from(words: impl IntoIterator<Item = OsString>) -> Result<Self, clap::Error> {
         let command = abridged(with_plain_errors(Self::command()));
-        let matches = command.try_get_matches();
-        let matches = matches.unwrap_or_else(|e| with_successor(e).exit());
-        let mut cli = Self::from_arg_matches(&matches).unwrap_or_else(|e| e.exit());
+        let matches = command.try_get_matches_from(words);
+        let matches = matches.map_err(with_successor)?;
+        let mut cli = Self::from_arg_matches(&matches)?;
         if let (Command::Render(args), Some(matches)) =
             (&mut cli.command, matches.subcommand_matches("render"))
         {
@@ -61,7 +70,7 @@ impl Cli {
         if let Some((_, matches)) = matches.subcommand() {
             cli.idle = Typed(matches).of(&cli.command);
         }
-        cli
+        Ok(cli)
     }
 }
 

@@ -8,42 +8,23 @@ use super::error_track::ErrorTrack;
 use super::finish::Done;
 use super::identity::{self, Fingerprints};
 use super::interrupt::Interrupt;
+use super::invalid::LeftOut;
+use super::learning::Opened;
 use super::load::{self, Input, Loaded};
 use super::output::Outputs;
+use super::prepared::{Prepared, Times};
 use super::preview::{Preview, Tev};
 use super::progress::Watch;
 use super::render_args::RenderArgs;
 use super::waiting::Waiting;
-use super::{Failure, frames, invalid, learning, settings, threads, view};
-use crate::camera::Camera;
+use super::{Failure, frames, invalid, learning, settings, threads};
 use crate::film::Film;
-use crate::integrate::View;
-use crate::integrate::progress::{Limits, MIN_SPP_FOR_NOISE, PASS_SPP, Spent, StoppedBy, Summary};
-use crate::integrate::render::resume;
-use crate::integrate::training::Learner;
+use crate::film::part::Record;
+use crate::integrate::progress::{MIN_SPP_FOR_NOISE, PASS_SPP, Spent, StoppedBy, Summary};
 use crate::report::stats::Stats;
 use crate::report::totals::triangles;
 use crate::report::words;
-use crate::scene::Scene;
-use std::time::{Duration, Instant};
-
-/// Seconds that the parts of a command took.
-#[derive(Clone, Copy, Debug, Default)]
-struct Times {
-    load: f64,
-    build: f64,
-    train: f64,
-}
-
-/// What is rendered, from where on, and until when.
-struct Setting<'a> {
-    view: View<'a>,
-    limits: Limits,
-    done: &'a Done<'a>,
-    track: Option<&'a ErrorTrack>,
-    /// What earlier goes have cost.
-    before: Spent,
-}
+use std::time::Instant;
 
 /// Renders and writes.
 ///
@@ -74,15 +55,80 @@ fn render(
 ) -> Result<(), Failure> {
     let input = Input::of(&args.scene)?;
     let outputs = Outputs::of_render(args, &input)?;
-    let denoising = match args.parts.shard {
-        // A part is no picture yet.
-        Some(_) => None,
-        None => Denoising::wanted(&args.files, console, interrupt)?,
-    };
+    // A part is no picture yet.
+    let whole = args.parts.shard.is_none();
+    let denoising = whole.then(|| Denoising::wanted(&args.files, console, interrupt));
+    let denoising = denoising.transpose()?.flatten();
     warn_of_shard(args);
     let mut times = Times::default();
-    let (mut loaded, triangles) = read(args, &input, &mut times)?;
+    let mut loaded = read(args, &input, &mut times)?;
     outputs.spare("an image of the scene", &loaded.image_files())?;
+    let (field, fingerprint) = check_field(args, &loaded)?;
+    let (scene, before_learner) = match carried.take(&mut loaded)? {
+        Some(known) => known,
+        None => (timed(&mut times.build, || loaded.build(&args.rays))?, None),
+    };
+    let prepared = Prepared::new(args, &scene, &loaded.description);
+    let record = record(&prepared, (args, fingerprint, field.as_ref()), &times);
+    let mut film = identity::film(args, prepared.film)?;
+    let reference = args.reference.as_ref();
+    let track = reference.map(|path| ErrorTrack::against(path, prepared.film));
+    let track = track.transpose()?;
+    let checkpoint = Checkpoint::wanted(&args.parts, outputs.first(), record.as_ref());
+    let Some(before) = go_on(args, &outputs, checkpoint.as_ref(), &mut film)? else {
+        return Ok(());
+    };
+    let waiting = Waiting::for_learning(console, args.guide.learn.photons);
+    let mut guiding = timed(&mut times.train, || prepared.guiding(field, before_learner))?;
+    drop(waiting);
+    let done = Done {
+        args,
+        outputs: &outputs,
+        checkpoint: checkpoint.as_ref(),
+        denoising,
+        record,
+        exposure: prepared.film.exposure,
+    };
+    let before = guiding.spent_after(before);
+    let watched = (&done, track.as_ref(), before);
+    let watch = watch((console, interrupt), &prepared, watched, &film);
+    let summary = prepared.trace(&mut guiding, &mut film, before, &watch);
+    watch.finish(&film);
+    let mut stats = prepared.stats(&loaded, (&film, &summary), &guiding, times);
+    if let Some(track) = track {
+        track.finish(&film, &summary, &mut stats);
+    }
+    tell(console, &stats, &summary);
+    invalid::warn(&film);
+    if args.frames.is_some() && summary.stopped_by == StoppedBy::Interrupt {
+        return Err(frames::leave_out(&outputs));
+    }
+    done.write(&film, &summary, &mut stats)?;
+    let left_out = LeftOut::of(&stats, guiding.learner.as_ref());
+    carried.keep(scene, guiding.learner.take());
+    invalid::check(args, left_out)
+}
+
+/// What makes this render that render and no other, where parts or checkpoints need to know.
+fn record(
+    prepared: &Prepared,
+    (args, fingerprint, field): (&RenderArgs, Option<u64>, Option<&Opened>),
+    times: &Times,
+) -> Option<Record> {
+    let scene = fingerprint.filter(|_| args.parts.wanted())?;
+    let field = field.map(|f| f.fingerprint);
+    let of = Fingerprints { scene, field };
+    let (view, limits) = (&prepared.view(), &prepared.limits);
+    let how = (args, prepared.way);
+    Some(identity::record(how, view, limits, of, times.triangles))
+}
+
+/// The field that is to guide, if it is in a file, once it is known to be of the scene; the scene's
+/// fingerprint, where that is asked for.
+fn check_field(
+    args: &RenderArgs,
+    loaded: &Loaded,
+) -> Result<(Option<Opened>, Option<u64>), Failure> {
     let field = learning::wanted_file(&args.guide)?;
     let fingerprint = match args.parts.wanted() || field.is_some() {
         true => Some(loaded.fingerprint()?),
@@ -91,96 +137,7 @@ fn render(
     if let (Some(field), Some(scene)) = (&field, fingerprint) {
         field.check(scene)?;
     }
-    let (scene, before_learner) = match carried.take(&mut loaded)? {
-        Some(known) => known,
-        None => (timed(&mut times.build, || loaded.build(&args.rays))?, None),
-    };
-    let description = &loaded.description;
-    let (width, height) = (description.film.width, description.film.height);
-    let settings = settings::of_render(args, &description.render);
-    let limits = settings::limits(&args.stop, &description.render);
-    let camera = Camera::new(&description.camera, width, height);
-    view::warn(&scene, &camera, &description.camera, &description.film);
-    let plain = View {
-        scene: &scene,
-        camera: &camera,
-        film: &description.film,
-        settings: &settings,
-        guide: None,
-    };
-    let way = learning::decide(&args.guide, &plain, &limits);
-    let record = fingerprint.filter(|_| args.parts.wanted()).map(|scene| {
-        let field = field.as_ref().map(|f| f.fingerprint);
-        let of = Fingerprints { scene, field };
-        identity::record((args, way), &plain, &limits, of, triangles)
-    });
-    let mut film = identity::film(args, &description.film)?;
-    let track = match &args.reference {
-        Some(path) => Some(ErrorTrack::against(path, &description.film)?),
-        None => None,
-    };
-    let checkpoint = Checkpoint::wanted(&args.parts, outputs.first(), record.as_ref());
-    let Some(before) = go_on(args, &outputs, checkpoint.as_ref(), &mut film)? else {
-        return Ok(());
-    };
-    let waiting = Waiting::for_learning(console, args.guide.learn.photons);
-    let mut guiding = timed(&mut times.train, || {
-        learning::guiding((&args.guide, way), (field, before_learner), &plain, &limits)
-    })?;
-    drop(waiting);
-    let photons = guiding.elapsed();
-    let mut learner = guiding.learner.take();
-    let done = Done {
-        args,
-        outputs: &outputs,
-        checkpoint: checkpoint.as_ref(),
-        denoising,
-        record,
-        exposure: description.film.exposure,
-    };
-    let setting = Setting {
-        view: View {
-            guide: guiding.prepared(),
-            ..plain
-        },
-        limits,
-        done: &done,
-        track: track.as_ref(),
-        before: Spent {
-            time: before.time + photons,
-            ..before
-        },
-    };
-    let learning = learner.as_mut();
-    let summary = trace((console, interrupt), &setting, learning, &mut film);
-    guiding.learner = learner;
-    if let Some(learner) = &guiding.learner {
-        learning::describe(learner);
-        times.train = learner.elapsed().as_secs_f64();
-    }
-    let mut stats = measure(args, &scene, &loaded, &film, &summary);
-    (stats.triangles, stats.load_seconds) = (triangles, times.load);
-    (stats.build_seconds, stats.train_seconds) = (times.build, times.train);
-    stats.settings = identity::settings((args, way), &plain, &limits);
-    stats.field_memory_bytes = guiding.bytes();
-    if let Some(track) = track {
-        track.finish(&film, &summary, &mut stats);
-    }
-    stats.field = guiding.learner.as_ref().map(Learner::stats);
-    stats.learning_memory_bytes = guiding.learner.as_ref().map_or(0, Learner::peak_bytes);
-    stats.trial = guiding.learner.as_ref().and_then(Learner::verdict);
-    tell(console, &stats, &summary);
-    invalid::warn(&film);
-    if args.frames.is_some() && summary.stopped_by == StoppedBy::Interrupt {
-        return Err(frames::leave_out(&outputs));
-    }
-    done.write(&film, &summary, &mut stats)?;
-    let left_out = invalid::LeftOut {
-        samples: stats.invalid_samples,
-        photons: guiding.learner.as_ref().map_or(0, |l| l.counts().invalid),
-    };
-    carried.keep(scene, guiding.learner.take());
-    invalid::check(args, left_out)
+    Ok((field, fingerprint))
 }
 
 /// Says what came of a render.
@@ -231,30 +188,30 @@ fn timed<T>(seconds: &mut f64, work: impl FnOnce() -> T) -> T {
     result
 }
 
-/// Reads the scene, with what the command line changes about it; how many triangles it has.
-fn read(args: &RenderArgs, input: &Input, times: &mut Times) -> Result<(Loaded, u64), Failure> {
+/// Reads the scene, with what the command line changes about it.
+fn read(args: &RenderArgs, input: &Input, times: &mut Times) -> Result<Loaded, Failure> {
     let mut loaded = timed(&mut times.load, || {
         load::load(&args.scene, input, Some(load::Picture::of(args)))
     })?;
     settings::apply_to_film(args, &mut loaded.description)?;
-    let triangles = triangles(&loaded.description);
+    times.triangles = triangles(&loaded.description);
     tracing::info!(
         "{}: {} shapes, {} triangles, read in {}",
         args.scene.title(),
         loaded.description.shapes.len(),
-        words::count(triangles as f64),
+        words::count(times.triangles as f64),
         words::time(times.load)
     );
-    Ok((loaded, triangles))
+    Ok(loaded)
 }
 
-fn trace(
-    (console, interrupt): (&Console, &Interrupt),
-    setting: &Setting,
-    learner: Option<&mut Learner>,
-    film: &mut Film,
-) -> Summary {
-    let done = setting.done;
+/// Begins to watch a render for the person who waits, and says what it will be.
+fn watch<'a>(
+    (console, interrupt): (&'a Console, &'a Interrupt),
+    prepared: &Prepared,
+    (done, track, before): (&'a Done<'a>, Option<&'a ErrorTrack>, Spent),
+    film: &Film,
+) -> Watch<'a> {
     let preview = match &done.args.preview {
         Some(Preview::Tev(address)) => {
             Tev::connect(address, &done.outputs.first().display().to_string(), film)
@@ -267,66 +224,21 @@ fn trace(
         film.height(),
         threads::count()
     );
-    let limits = setting.limits;
+    let limits = prepared.limits;
     if let Some(noise) = limits.noise {
         console.tell(&format!(
             "stops at a noise of {noise}: after each pass of up to {PASS_SPP} samples a pixel, from \
              {MIN_SPP_FOR_NOISE} on, the variance among a pixel's samples tells the noise and its error"
         ));
     }
-    let goes = (done, setting.before.time);
     interrupt.be_patient();
-    let watch = Watch::start(interrupt, console, limits, film, preview, goes);
-    let watch = watch.measuring(setting.track);
-    let summary = resume(
-        &setting.view,
-        learner,
+    let watch = Watch::start(
+        interrupt,
+        console,
+        limits,
         film,
-        &limits,
-        setting.before,
-        &watch,
+        preview,
+        (done, before.time),
     );
-    watch.finish(film);
-    summary
-}
-
-fn measure(
-    args: &RenderArgs,
-    scene: &Scene,
-    loaded: &Loaded,
-    film: &Film,
-    summary: &Summary,
-) -> Stats {
-    // A render of no time at all has no rate to speak of, and must not divide by zero.
-    let seconds = summary.elapsed.max(Duration::from_nanos(1)).as_secs_f64();
-    Stats {
-        version: env!("CARGO_PKG_VERSION").into(),
-        scene: args.scene.title(),
-        width: film.width(),
-        height: film.height(),
-        seed: args.light.seed,
-        threads: threads::count(),
-        accel: scene.rays.name(),
-        stopped_by: match summary.stopped_by {
-            StoppedBy::Samples => "samples",
-            StoppedBy::Time => "time",
-            StoppedBy::Noise => "noise",
-            StoppedBy::Interrupt => "interrupt",
-        },
-        spp: summary.spp,
-        samples: summary.samples,
-        samples_per_second: summary.samples as f64 / seconds,
-        rays: summary.rays,
-        rays_per_second: summary.rays as f64 / seconds,
-        noise: summary.noise.map(|n| n.value),
-        noise_error: summary.noise.map(|n| n.error),
-        noise_worst: summary.noise.map(|n| n.worst),
-        invalid_samples: film.invalid_samples(),
-        render_seconds: summary.elapsed.as_secs_f64(),
-        accel_memory_bytes: scene.rays.memory_bytes() as u64,
-        texture_memory_bytes: loaded.textures().bytes,
-        warnings: loaded.description.warnings.clone(),
-        // What the stages took is filled in where it is known.
-        ..Stats::default()
-    }
+    watch.measuring(track)
 }

@@ -12,9 +12,11 @@ use super::waiting::Waiting;
 use super::{Failure, load, output, part_args, settings, targets};
 use crate::camera::Camera;
 use crate::film::Shard;
+use crate::guide::FieldFile;
 use crate::integrate::training::extend::{More, extend, to_file};
 use crate::integrate::{GuidedSettings, View};
 use crate::report::words;
+use crate::scene::{Description, Scene};
 use clap::Args;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -72,43 +74,60 @@ pub fn run(args: &TrainArgs, console: &Console) -> Result<(), Failure> {
         base.check(fingerprint)?;
     }
     let scene = loaded.build(&args.rays)?;
+    let waiting = Waiting::for_learning(console, Some(records(args)));
+    let file = learn(
+        args,
+        (&scene, &loaded.description),
+        base.as_ref(),
+        fingerprint,
+    )?;
+    drop(waiting);
+    learning::write(&target, &file)
+}
+
+/// Learns the field of a scene with this fingerprint, or further over the structure of `base`. The
+/// film of the description is of the size that is asked for.
+///
+/// # Errors
+/// When nothing shines, or the base was learned with other settings.
+pub fn learn(
+    args: &TrainArgs,
+    (scene, description): (&Scene, &Description),
+    base: Option<&Opened>,
+    fingerprint: u64,
+) -> Result<FieldFile, Failure> {
     if scene.lights.is_empty() {
         let help = "add an emitter to the scene";
         let message = "nothing shines: there is nothing to learn";
         return Err(Failure::wrong(message, help));
     }
-    let description = &loaded.description;
     let film = &description.film;
     let mut settings =
         settings::path_settings(&args.light, &description.render, GuidedSettings::PLAIN);
-    if let Some(base) = &base {
+    if let Some(base) = base {
         // Records follow those of the base: their numbers mean something for one seed only.
         settings.seed = base.file.trainer.settings().seed;
     }
     let view = View {
-        scene: &scene,
+        scene,
         camera: &Camera::new(&description.camera, film.width, film.height),
         film,
         settings: &settings,
         guide: None,
     };
-    let records = records(args);
-    let waiting = Waiting::for_learning(console, Some(records));
-    let file = match &base {
-        Some(base) => further(args, base, &view)?,
+    match base {
+        Some(base) => further(args, base, &view),
         None => {
             let learned = learning::teach(&args.learn, &view)?;
             let photons = settings::photons_alone(&args.learn);
             let how = settings::learn_settings(&args.learn, &settings, photons)?;
-            to_file(&view, &how, learned, fingerprint)
+            Ok(to_file(&view, &how, learned, fingerprint))
         }
-    };
-    drop(waiting);
-    learning::write(&target, &file)
+    }
 }
 
 /// Photons and paths that will be learned from.
-fn records(args: &TrainArgs) -> u64 {
+pub fn records(args: &TrainArgs) -> u64 {
     let learn = &args.learn;
     let (photons, paths) = (learn.photons.unwrap_or(settings::PHOTONS), learn.paths);
     let all = match learn.train {
@@ -120,11 +139,7 @@ fn records(args: &TrainArgs) -> u64 {
 }
 
 /// Learns further over the structure of a field.
-fn further(
-    args: &TrainArgs,
-    base: &Opened,
-    view: &View,
-) -> Result<crate::guide::FieldFile, Failure> {
+fn further(args: &TrainArgs, base: &Opened, view: &View) -> Result<FieldFile, Failure> {
     let start = Instant::now();
     let more = More {
         photons: args.learn.photons.unwrap_or(settings::PHOTONS),

@@ -12,6 +12,7 @@
 //! | [`pbrt`] | what of pbrt's scene files is read, and how near it comes |
 //! | [`scenes`] | what of Mitsuba's scene files is read; models without a scene |
 //! | [`models`] | what of glTF, MTL, PLY, STL and USD is read, approximated, left out |
+//! | [`python`] | the package for Python: renders, fields and comparisons as arrays |
 //! | [`compare`] | how far images are from a reference; `sweep`: which settings suit a scene |
 //! | [`table1`] | the table of the method's paper |
 //! | [`stats`] | the keys of the `--stats` file |
@@ -48,6 +49,10 @@ pub mod parts {
 
 pub mod pbrt {
     #![doc = include_str!("pbrt.md")]
+}
+
+pub mod python {
+    #![doc = include_str!("python.md")]
 }
 
 pub mod render {

@@ -102,8 +102,8 @@ impl Default for RenderDescription {
     }
 }
 
-/// A whole scene as data.
-#[derive(Debug)]
+/// A whole scene as data. Copies share the meshes.
+#[derive(Clone, Debug)]
 pub struct Description {
     /// All shapes, of the world and of groups.
     pub shapes: Vec<Shape>,

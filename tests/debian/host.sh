@@ -40,7 +40,7 @@ fetch_crates() {
     crates=
     command -v cargo >/dev/null || return 0
     say "cargo fetch"
-    (cd "$checkout" && cargo fetch --locked)
+    (cd "$checkout" && cargo fetch --locked && cargo fetch --locked --manifest-path ffi/python/Cargo.toml)
     crates=${CARGO_HOME:-$HOME/.cargo}/registry
 }
 

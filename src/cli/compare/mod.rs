@@ -101,8 +101,14 @@ fn incomparable(path: &Path, reference: &Path, why: &dyn std::error::Error) -> F
     )
 }
 
-/// All numbers but the z-test, and the map of FLIP errors.
-fn measure(path: &Path, pair: &Pair, args: &CompareArgs, kind: &str) -> (ImageErrors, Vec<f32>) {
+/// All numbers but the z-test, and the map of FLIP errors. `kind` is `hdr` or `ldr`, whichever FLIP is
+/// to be computed.
+pub fn measure(
+    path: &Path,
+    pair: &Pair,
+    args: &CompareArgs,
+    kind: &str,
+) -> (ImageErrors, Vec<f32>) {
     let shown = pair.shown(args.exposure);
     let (subject, range) = match args.data_range {
         Some(range) => (pair, range),
@@ -136,8 +142,8 @@ fn measure(path: &Path, pair: &Pair, args: &CompareArgs, kind: &str) -> (ImageEr
     (errors, map)
 }
 
-/// The z-test, where both files carry the variance of their pixels.
-fn z_test(pair: &Pair, image: &Image, reference: &Image) -> Option<Z> {
+/// The z-test, where both images carry the variance of their pixels.
+pub fn z_test(pair: &Pair, image: &Image, reference: &Image) -> Option<Z> {
     let known = [KnownNoise::of(image)?, KnownNoise::of(reference)?];
     let test = ztest::ztest(pair, [&known[0], &known[1]])?;
     Some(Z {

@@ -6,6 +6,7 @@ use crate::cli::farm::quote;
 use crate::cli::interrupt::Interrupt;
 use crate::report::sweep::RunStats;
 use rustix::process::{Pid, Signal, kill_process};
+use std::ffi::OsString;
 use std::io::Read;
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -37,12 +38,22 @@ pub fn typed(words: &[String]) -> String {
 }
 
 /// Runs the program with these words, for `longest` at most, and reads what it writes to `stats`.
-pub fn run(words: &[String], stats: &Path, longest: Duration, interrupt: &Interrupt) -> Outcome {
+/// Without words that start it, it is this one's file.
+pub fn run(
+    (program, words): (&[OsString], &[String]),
+    stats: &Path,
+    longest: Duration,
+    interrupt: &Interrupt,
+) -> Outcome {
     // What an earlier run has left must not be taken for this one's.
     let _ = std::fs::remove_file(stats);
-    let child = std::env::current_exe().and_then(|program| {
-        let mut command = Command::new(program);
-        command.args(words).stdin(Stdio::null());
+    let itself = match program {
+        [] => std::env::current_exe().map(|file| vec![file.into_os_string()]),
+        _ => Ok(program.to_vec()),
+    };
+    let child = itself.and_then(|start| {
+        let mut command = Command::new(&start[0]);
+        command.args(&start[1..]).args(words).stdin(Stdio::null());
         command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn()
     });
     let mut child = match child {

@@ -187,7 +187,7 @@ fn begin(mut setting: Setting, args: &SweepArgs, watch: Watch) -> Result<Sweep, 
     let waiting = Waiting::start(watch.0, |seconds| {
         format!("trying the first configuration, {}", words::time(seconds))
     });
-    let ended = child::run(&words, &stats, longest, watch.1);
+    let ended = child::run((watch.2, &words), &stats, longest, watch.1);
     drop(waiting);
     let rendered = match ended {
         Outcome::Measured(stats) => stats.render_seconds,

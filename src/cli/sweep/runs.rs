@@ -11,6 +11,7 @@ use crate::cli::interrupt::Interrupt;
 use crate::cli::waiting::{Said, Waiting};
 use crate::report::sweep::{Configuration, Run, Sweep};
 use crate::report::words;
+use std::ffi::OsString;
 use std::time::{Duration, Instant};
 
 /// A run that takes so many times what was to be expected, and [`HANGING`] more, hangs.
@@ -19,8 +20,9 @@ const HANGING: f64 = 20.0;
 /// A budget may be passed by this much of it, so that a run that has begun can end.
 const OVER_BUDGET: f64 = 0.05;
 
-/// Who looks on, and who may end it.
-pub type Watch<'a> = (&'a Console, &'a Interrupt);
+/// Who looks on, who may end it, and the words that start the program, where it is not a file of its
+/// own.
+pub type Watch<'a> = (&'a Console, &'a Interrupt, &'a [OsString]);
 
 /// Why no more runs are made.
 pub enum Ended {
@@ -103,7 +105,7 @@ struct Times {
 fn make(
     sweep: &Sweep,
     args: &SweepArgs,
-    (console, interrupt): Watch,
+    (console, interrupt, program): Watch,
     (configuration, round): (&Configuration, u32),
     times: Times,
 ) -> (Outcome, Run) {
@@ -118,7 +120,7 @@ fn make(
     });
     let longest = times.longest;
     let limit = Duration::from_secs_f64(longest);
-    let outcome = child::run(&words, &stats, limit, interrupt);
+    let outcome = child::run((program, &words), &stats, limit, interrupt);
     drop(waiting);
     let (stats, failure) = match &outcome {
         Outcome::Measured(stats) => (Some((**stats).clone()), None),

@@ -70,7 +70,7 @@ struct Unique<'a> {
     places: Vec<DAffine3>,
 }
 
-/// Loads all `sources` into one scene's parts.
+/// Loads all `sources` into one scene's parts, after those that there are.
 ///
 /// # Errors
 /// When a file cannot be used, or is no model.
@@ -78,8 +78,8 @@ pub fn load(
     sources: &[ModelSource],
     models: &ModelOptions,
     options: &ImportOptions,
+    mut parts: Parts,
 ) -> Result<Parts, ImportError> {
-    let mut parts = Parts::default();
     let mut meshes: Vec<Unique> = Vec::new();
     let turn = match models.z_up {
         true => DAffine3::from_rotation_x(std::f64::consts::FRAC_PI_2),

@@ -56,7 +56,7 @@ impl Folder {
             z_up: false,
         };
         let options = ImportOptions::new(Arc::new(TextureStore::new(1 << 20)));
-        super::load(&sources, &models, &options)
+        super::load(&sources, &models, &options, Parts::default())
     }
 }
 

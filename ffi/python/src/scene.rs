@@ -1,0 +1,420 @@
+//! Scenes: from files, from arrays, or from both.
+
+use crate::additions::{self, Addition};
+use crate::failure::Fault;
+use crate::words::{self, words};
+use crate::work;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+use std::ffi::OsString;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+use twintree::cli::args::Command;
+use twintree::cli::load::{Input, Loaded, Picture, load as read_files, load_beside};
+use twintree::cli::picture_args::SizeArgs;
+use twintree::cli::prepared::Times;
+use twintree::cli::ray_args::RayArgs;
+use twintree::cli::scene_args::SceneArgs;
+use twintree::report::totals::triangles;
+
+/// Options of the command line that say how files are read: of a scene file, all other keywords are
+/// values for its `$names`.
+const READING: [&str; 3] = ["lenient", "texture_memory", "limit_decoded"];
+
+/// A scene: shapes, materials, lights and a camera.
+///
+/// `Scene(**options)` is empty: `add_mesh` and `add_light` fill it, and a camera frames what is
+/// there. `twintree.load(path)` reads one from files. The options are those of the command line for
+/// models: `camera="orbit:30,20"` or `camera=(x, y, z)`, `look_at=(x, y, z)`, `fov=35`,
+/// `sky="studio"`, `envmap=`, `ground=`, `material=`, `up="y"`.
+///
+/// Scenes may be used from many threads at once.
+#[pyclass(frozen, module = "twintree")]
+pub struct Scene {
+    state: Mutex<State>,
+}
+
+struct State {
+    args: SceneArgs,
+    input: Arc<Input>,
+    /// Options, as words.
+    keywords: Vec<String>,
+    additions: Vec<Addition>,
+    /// Of a scene file, what it says, with texture coordinates that nothing reads or without.
+    base: Option<(bool, Loaded)>,
+    kept: Option<Kept>,
+}
+
+/// What is made anew for another picture: of models the size, and texture coordinates that nothing
+/// but a layer reads.
+type Key = (Option<u32>, Option<u32>, bool);
+
+/// What was made for the last render, and serves the next one of the same kind.
+struct Kept {
+    key: Key,
+    loaded: Arc<Loaded>,
+    built: Option<(String, Arc<twintree::scene::Scene>)>,
+    times: Times,
+}
+
+/// A scene to render from.
+pub struct Ready {
+    /// As data.
+    pub loaded: Arc<Loaded>,
+    /// As the ray tracer has it.
+    pub scene: Arc<twintree::scene::Scene>,
+    /// What making it took.
+    pub times: Times,
+    /// Where it comes from.
+    pub args: SceneArgs,
+}
+
+impl State {
+    /// Reads options; `files` are none for a scene of arrays.
+    fn new(files: Vec<OsString>, keywords: Vec<String>) -> Result<Self, Fault> {
+        // A name for messages and statistics.
+        let named = match files.as_slice() {
+            [] => vec!["arrays".into()],
+            _ => files.clone(),
+        };
+        let Command::Render(args) = words::read("render", &named, &keywords)? else {
+            return Err(Fault::Runtime("another command was read".into()));
+        };
+        let input = match files.as_slice() {
+            [] => Input::Models(Vec::new()),
+            _ => Input::of(&args.scene)?,
+        };
+        Ok(Self {
+            args: args.scene,
+            input: Arc::new(input),
+            keywords,
+            additions: Vec::new(),
+            base: None,
+            kept: None,
+        })
+    }
+
+    /// What decides whether the scene is made anew for a picture.
+    fn key(&self, picture: Picture) -> Key {
+        let SizeArgs { width, height } = picture.size;
+        match &*self.input {
+            Input::Models(_) => (width, height, picture.tells_uvs),
+            // A scene file's camera does not follow the size.
+            Input::Scene(_) => (None, None, picture.tells_uvs),
+        }
+    }
+
+    /// The scene as data, for a picture.
+    fn loaded(&mut self, picture: Picture) -> Result<Loaded, Fault> {
+        if let Input::Models(_) = &*self.input {
+            let parts = additions::parts_of(&self.additions);
+            return Ok(load_beside(parts, &self.args, &self.input, picture)?);
+        }
+        let known = self
+            .base
+            .as_ref()
+            .filter(|(uvs, _)| *uvs == picture.tells_uvs);
+        let mut loaded = match known {
+            Some((_, base)) => base.clone(),
+            None => {
+                let base = read_files(&self.args, &self.input, Some(picture))?;
+                self.base = Some((picture.tells_uvs, base.clone()));
+                base
+            }
+        };
+        additions::add_to(&mut loaded.description, &self.additions);
+        Ok(loaded)
+    }
+
+    /// The scene as data, of what is kept or made anew.
+    fn kept(&mut self, picture: Picture) -> Result<&mut Kept, Fault> {
+        let key = self.key(picture);
+        let kept = match self.kept.take().filter(|kept| kept.key == key) {
+            Some(kept) => kept,
+            None => {
+                let start = Instant::now();
+                let loaded = self.loaded(picture)?;
+                let times = Times {
+                    load: start.elapsed().as_secs_f64(),
+                    triangles: triangles(&loaded.description),
+                    ..Times::default()
+                };
+                Kept {
+                    key,
+                    loaded: Arc::new(loaded),
+                    built: None,
+                    times,
+                }
+            }
+        };
+        Ok(self.kept.insert(kept))
+    }
+
+    fn ready(&mut self, picture: Picture, rays: &RayArgs) -> Result<Ready, Fault> {
+        work::own_scenes()?;
+        let args = self.args.clone();
+        let kept = self.kept(picture)?;
+        let how = format!("{rays:?}");
+        let built = kept.built.as_ref().filter(|(other, _)| *other == how);
+        let scene = match built {
+            Some((_, scene)) => scene.clone(),
+            None => {
+                let start = Instant::now();
+                // Building takes the shapes out of what it is given.
+                let scene = Arc::new(Loaded::clone(&kept.loaded).build(rays)?);
+                kept.times.build = start.elapsed().as_secs_f64();
+                kept.built = Some((how, scene.clone()));
+                scene
+            }
+        };
+        Ok(Ready {
+            loaded: kept.loaded.clone(),
+            scene,
+            times: kept.times,
+            args,
+        })
+    }
+}
+
+impl Scene {
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The scene built for a render, from what was built before where that serves. Called without
+    /// Python's lock.
+    pub fn ready(&self, picture: Picture, rays: &RayArgs) -> Result<Ready, Fault> {
+        self.state().ready(picture, rays)
+    }
+
+    /// The names of its files, for the command line's parser.
+    pub fn files(&self) -> Vec<OsString> {
+        self.state().args.files.clone()
+    }
+
+    fn change(&self, py: Python<'_>, change: impl FnOnce(&mut State) + Send) {
+        py.detach(|| {
+            let mut state = self.state();
+            change(&mut state);
+            state.kept = None;
+        });
+    }
+}
+
+#[pymethods]
+impl Scene {
+    #[new]
+    #[pyo3(signature = (**options))]
+    fn new(options: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        crate::messages::listen();
+        let state = Mutex::new(State::new(Vec::new(), words(options)?)?);
+        Ok(Self { state })
+    }
+
+    /// Changes options: of models and arrays, `camera=`, `sky=` and the like; of a scene file,
+    /// values of its `$names`. Others stay as they were.
+    #[pyo3(signature = (**options))]
+    fn set(&self, py: Python<'_>, options: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
+        let (files, old, is_file) = py.detach(|| {
+            let state = self.state();
+            let files = match &*state.input {
+                Input::Models(sources) if sources.is_empty() => Vec::new(),
+                _ => state.args.files.clone(),
+            };
+            let is_file = matches!(&*state.input, Input::Scene(_));
+            (files, state.keywords.clone(), is_file)
+        });
+        let new = match is_file {
+            true => scene_words(options)?,
+            false => words(options)?,
+        };
+        let name = |word: &String| {
+            let mut parts = word.splitn(3, '=');
+            let option = parts.next().map(str::to_owned);
+            // Of values for $names there are many.
+            (
+                option.clone(),
+                parts
+                    .next()
+                    .filter(|_| option.as_deref() == Some("--define"))
+                    .map(str::to_owned),
+            )
+        };
+        let names: Vec<_> = new.iter().map(name).collect();
+        let kept = old.into_iter().filter(|word| !names.contains(&name(word)));
+        let fresh = State::new(files, kept.chain(new).collect())?;
+        self.change(py, |state| {
+            let additions = std::mem::take(&mut state.additions);
+            *state = State { additions, ..fresh };
+        });
+        Ok(())
+    }
+
+    /// Adds a mesh: `vertices` (N, 3), in the scene's units; `faces` (M, 3), numbers of vertices,
+    /// the front counter-clockwise; `normals` (N, 3) or none; `material` as on the command line
+    /// ("clay", "gold", "plastic:0.8,0.1,0.1"); `emission`, radiance in W m^-2 sr^-1, a number or
+    /// red, green, blue, makes it a lamp that shines from its front; `smooth` computes normals
+    /// where none are given. Returns what was repaired, in words.
+    #[pyo3(signature = (vertices, faces, *, material = "clay", normals = None, emission = None, name = None, smooth = false))]
+    #[allow(clippy::too_many_arguments)]
+    fn add_mesh(
+        &self,
+        py: Python<'_>,
+        vertices: &Bound<'_, PyAny>,
+        faces: &Bound<'_, PyAny>,
+        material: &str,
+        normals: Option<&Bound<'_, PyAny>>,
+        emission: Option<&Bound<'_, PyAny>>,
+        name: Option<String>,
+        smooth: bool,
+    ) -> PyResult<Vec<String>> {
+        let paint = material
+            .parse()
+            .map_err(|e| Fault::Value(format!("material: {e}")))?;
+        let emission = emission
+            .map(|e| additions::color("emission", e))
+            .transpose()?;
+        let (mesh, warnings) = additions::mesh(vertices, faces, normals, smooth)?;
+        self.change(py, |state| {
+            let number = state.additions.len();
+            state.additions.push(Addition::Mesh {
+                name: name.unwrap_or_else(|| format!("mesh {number}")),
+                mesh,
+                paint,
+                emission,
+            });
+        });
+        Ok(warnings)
+    }
+
+    /// Adds a lamp without a body: `"point"` (position, intensity in W/sr), `"spot"` (position,
+    /// target, intensity, cutoff and beam in degrees), `"directional"` (direction in which it
+    /// travels, irradiance in W/m^2), `"constant"` (radiance from everywhere). Colours are a
+    /// number, or red, green and blue.
+    #[pyo3(signature = (kind, **settings))]
+    fn add_light(
+        &self,
+        py: Python<'_>,
+        kind: &str,
+        settings: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<()> {
+        let light = additions::light(kind, settings)?;
+        self.change(py, |state| state.additions.push(light));
+        Ok(())
+    }
+
+    /// What the scene consists of: "files", "shapes", "triangles", "emitters", "width", "height",
+    /// "spp", "max_depth", "warnings".
+    fn info(&self, py: Python<'_>) -> PyResult<Py<PyDict>> {
+        let loaded = work::run(py, None, || {
+            work::own_scenes()?;
+            Ok(self
+                .state()
+                .kept(plain(SizeArgs::default()))?
+                .loaded
+                .clone())
+        })?;
+        let of = &loaded.description;
+        let info = PyDict::new(py);
+        let files = self.files();
+        let files: Vec<_> = files
+            .iter()
+            .map(|f| f.to_string_lossy().into_owned())
+            .collect();
+        info.set_item("files", files)?;
+        info.set_item("shapes", of.shapes.len())?;
+        info.set_item("triangles", triangles(of))?;
+        info.set_item("emitters", of.emitters.len())?;
+        info.set_item("width", of.film.width)?;
+        info.set_item("height", of.film.height)?;
+        info.set_item("spp", of.render.spp)?;
+        info.set_item("max_depth", of.render.max_depth)?;
+        info.set_item("warnings", of.warnings.clone())?;
+        Ok(info.unbind())
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> String {
+        py.detach(|| {
+            let state = self.state();
+            let (title, more) = (state.args.title(), state.additions.len());
+            format!("<twintree.Scene of {title}, {more} added>")
+        })
+    }
+}
+
+/// A picture of a size, without the layer of texture coordinates.
+pub fn plain(size: SizeArgs) -> Picture {
+    Picture {
+        size,
+        tells_uvs: false,
+    }
+}
+
+/// Keywords for a scene file: how it is read, and values of its `$names`.
+fn scene_words(options: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<String>> {
+    let Some(options) = options else {
+        return Ok(Vec::new());
+    };
+    let reading = PyDict::new(options.py());
+    let mut list = Vec::new();
+    for (name, value) in options {
+        let name: String = name.extract()?;
+        match (READING.contains(&name.as_str()), name.as_str()) {
+            (true, _) => reading.set_item(name, value)?,
+            (false, "define") => {
+                for (key, value) in value.cast::<PyDict>()? {
+                    list.push(define(&key.extract::<String>()?, &value)?);
+                }
+            }
+            _ => list.push(define(&name, &value)?),
+        }
+    }
+    list.extend(words(Some(&reading))?);
+    Ok(list)
+}
+
+fn define(name: &str, value: &Bound<'_, PyAny>) -> PyResult<String> {
+    // As scene files have it.
+    let text = match value.extract::<bool>() {
+        Ok(flag) => flag.to_string(),
+        Err(_) => value.str()?.extract()?,
+    };
+    Ok(format!("--define={name}={text}"))
+}
+
+/// Reads a scene file (`.xml` of Mitsuba, `.pbrt`) or models (`.ply .obj .stl .gltf .glb`), several
+/// of them as further arguments.
+///
+/// Of a scene file, keywords are values of its `$names` (`load("a.xml", spp=16)`), but for
+/// `lenient`, `texture_memory`, `limit_decoded` and `define`, a dictionary of more such values. Of
+/// models, keywords are the options of [`Scene`].
+///
+/// Raises `ValueError` with the file, line and column of what is wrong.
+#[pyfunction]
+#[pyo3(signature = (path, *more, **options))]
+pub fn load(
+    py: Python<'_>,
+    path: std::path::PathBuf,
+    more: &Bound<'_, PyTuple>,
+    options: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Scene> {
+    crate::messages::listen();
+    let mut files: Vec<OsString> = vec![path.into()];
+    for file in more {
+        files.push(file.extract::<std::path::PathBuf>()?.into());
+    }
+    let probe = State::new(files.clone(), Vec::new())?;
+    let keywords = match &*probe.input {
+        Input::Scene(_) => scene_words(options)?,
+        Input::Models(_) => words(options)?,
+    };
+    let mut state = State::new(files, keywords)?;
+    let state = work::run(py, None, move || {
+        work::own_scenes()?;
+        state.kept(plain(SizeArgs::default()))?;
+        Ok(state)
+    })?;
+    Ok(Scene {
+        state: Mutex::new(state),
+    })
+}
