@@ -23,6 +23,7 @@ pub mod denoise;
 pub mod embedded;
 pub mod file;
 pub mod foreign;
+mod format;
 #[cfg(any(test, not(feature = "oiio")))]
 mod formats;
 pub mod header;
@@ -45,8 +46,9 @@ mod write_options;
 
 pub use color_config::DisplayView;
 pub use file::{read, read_linear};
+pub use format::Format;
 pub use view_transform::ViewTransform;
-pub use write::{Format, load_library, write};
+pub use write::{load_library, write};
 pub use write_options::{Compression, WriteOptions};
 
 use std::path::Path;

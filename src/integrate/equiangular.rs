@@ -8,8 +8,8 @@
 //!
 //! [`Lights::free_flight_weight`]: crate::light::Lights::free_flight_weight
 
-use super::media::transmittance;
 use super::next_event::shadow_ray;
+use super::shadows::ShadowMedium;
 use crate::bsdf::{Bsdf, Transport};
 use crate::light::{Collision, DrawnDistance, LightSource, LitSegment};
 use crate::math::{PathSampler, Rgb, Vec2};
@@ -126,8 +126,11 @@ impl BesideFlight<'_> {
         }
         let origin = SurfacePoint::in_volume(p, wo, 0.0).spawn_ray(light.dir).org;
         let ray = shadow_ray(origin, p + light.dir * light.distance);
-        let around = (at.medium(segment.direction), sampler);
-        let passed = transmittance(self.scene, &ray, around, &mut self.rays);
+        let start = ShadowMedium {
+            medium: at.medium(segment.direction),
+            sampler,
+        };
+        let passed = start.transmittance(self.scene, &ray, &mut self.rays);
         let from = lights.source_of(&light.incoming, light.dir);
         (passed != Rgb::ZERO).then_some((radiance * passed, from))
     }

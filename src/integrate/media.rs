@@ -16,12 +16,10 @@ use super::observer::PathObserver;
 use super::path::FirstHit;
 use super::settings::PathSettings;
 use super::shadows::{ShadowMedium, ShadowRays};
-use crate::accel::{Hit, Ray};
 use crate::bsdf::Bsdf;
-use crate::math::{NumberStream, PathSampler, Rgb};
+use crate::math::{NumberStream, Rgb};
 use crate::medium::MediumId;
-use crate::scene::Scene;
-use crate::scene::free_flight::{FreeFlight, MOST_PASSED, sample_flight};
+use crate::scene::free_flight::{FreeFlight, sample_flight};
 use crate::scene::path_medium::PathMedium;
 use crate::scene::wavefront::Wavefront;
 use crate::texture::SurfacePoint;
@@ -162,75 +160,4 @@ fn collide<'s, S: Scatter<'s>>(
         media: Some(around),
     };
     how.scatter(context, at, path, observer)
-}
-
-/// Finds which shadow rays are blocked, and attenuates what the others bring. Returns the number of
-/// rays.
-pub(super) fn cast_shadows(scene: &Scene, shadows: &mut ShadowRays, blocked: &mut [bool]) -> u64 {
-    if !scene.media.has_index_matched {
-        scene.rays.occluded_batch(&shadows.rays, blocked);
-    }
-    let mut traced = 0;
-    let each = shadows.rays.iter().zip(&shadows.media);
-    for (((ray, start), offer), blocked) in each.zip(&mut shadows.offers).zip(&mut *blocked) {
-        if *blocked {
-            continue;
-        }
-        let found = attenuation(scene, ray, (start.medium, start.sampler), &mut traced);
-        *blocked = found == Rgb::ZERO;
-        offer.offer.attenuate(found);
-    }
-    match scene.media.has_index_matched {
-        true => traced,
-        false => shadows.rays.len() as u64,
-    }
-}
-
-/// What comes through along a shadow ray that begins in a medium; 0 where a surface blocks it,
-/// unless that is known already where none is index-matched.
-fn attenuation(
-    scene: &Scene,
-    ray: &Ray,
-    (medium, sampler): (MediumId, PathSampler),
-    traced: &mut u64,
-) -> Rgb {
-    let media = &scene.media;
-    let mut numbers = NumberStream::from(sampler);
-    let mut u = || numbers.draw();
-    let mut at = PathMedium::inside(medium);
-    let (mut ray, mut found) = (*ray, Rgb::ONE);
-    for _ in 0..MOST_PASSED {
-        let hit = match media.has_index_matched {
-            true => {
-                *traced += 1;
-                scene.rays.intersect(&ray)
-            }
-            false => Hit::NONE,
-        };
-        if hit.is_some() && !media.side(&hit).index_matched {
-            return Rgb::ZERO;
-        }
-        found *= at.transmittance(scene, &ray, &hit, &mut u);
-        if !hit.is_some() || found == Rgb::ZERO {
-            return found;
-        }
-        ray = at.cross(scene, &ray, &hit);
-    }
-    Rgb::ZERO
-}
-
-/// The same for one ray, of which nothing is known yet.
-pub(super) fn transmittance(
-    scene: &Scene,
-    ray: &Ray,
-    start: (MediumId, PathSampler),
-    traced: &mut u64,
-) -> Rgb {
-    if !scene.media.has_index_matched {
-        *traced += 1;
-        if scene.rays.occluded(ray) {
-            return Rgb::ZERO;
-        }
-    }
-    attenuation(scene, ray, start, traced)
 }

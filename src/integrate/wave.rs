@@ -274,7 +274,7 @@ impl Wave {
                 scene.rays.occluded_batch(rays, &mut self.blocked);
                 rays.len() as u64
             }
-            false => media::cast_shadows(scene, &mut self.shadows, &mut self.blocked),
+            false => self.shadows.cast(scene, &mut self.blocked),
         };
         let ShadowRays { rays, offers, .. } = &mut self.shadows;
         let mut blocked = self.blocked.iter();

@@ -6,44 +6,15 @@
 //! techniques for path tracing in participating media", section 3.1). The light is drawn first, by
 //! what it sends to the whole segment.
 
-use super::cluster::Cluster;
-use super::local::Local;
+use super::nearby::Nearby;
 use super::{LightSample, Lights};
 use crate::math::mis::power_heuristic;
 use crate::math::{Vec2, Vec3};
 use crate::medium::Segment;
 
-/// How many lights are looked at for a segment: the strongest. Free flight finds the others.
-const MOST: usize = 32;
-
 /// The nearest that a ray may pass a light, relative to the way along it: nearer, angles are no
 /// numbers of `f32`.
 const CLOSEST: f32 = 1e-5;
-
-/// A light that distances are drawn by.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Nearby {
-    leaf: u32,
-    center: Vec3,
-    radius: f32,
-    strength: f32,
-}
-
-/// The strongest lights of a tree, by leaf.
-pub(super) fn strongest(clusters: &[Cluster]) -> Vec<Nearby> {
-    let nearby = |(leaf, c): (usize, &Cluster)| Nearby {
-        leaf: leaf as u32,
-        center: c.center,
-        radius: c.radius,
-        strength: c.strength,
-    };
-    let mut lights: Vec<Nearby> = clusters.iter().enumerate().map(nearby).collect();
-    // A stable order: equally strong ones stay in theirs.
-    lights.sort_by(|a, b| b.strength.total_cmp(&a.strength));
-    lights.truncate(MOST);
-    lights.sort_by_key(|light| light.leaf);
-    lights
-}
 
 /// A segment in a medium, and what the lights beside it send to it.
 #[derive(Clone, Copy, Debug)]
@@ -230,14 +201,5 @@ impl Lights {
             true => power_heuristic(by_flight, by_light),
             false => 1.0,
         }
-    }
-}
-
-impl Local {
-    /// A leaf, if it is among the strongest.
-    fn nearby(&self, leaf: u32) -> Option<&Nearby> {
-        let lights = &self.strongest;
-        let place = lights.binary_search_by_key(&leaf, |light| light.leaf);
-        place.ok().map(|place| &lights[place])
     }
 }

@@ -1,7 +1,6 @@
 //! From emitters as a scene describes them to lights that can be sampled.
 
 use super::area::{AreaEmitter, cluster_of};
-use super::beside;
 use super::cluster::Cluster;
 use super::distant::Distant;
 use super::emission::Sources;
@@ -11,7 +10,7 @@ use super::point::PointLight;
 use super::projector::Projector;
 use super::spot::Spot;
 use super::tree::LightTree;
-use super::{Emitter, EmitterId, EmitterShape, Lights, Local, sunsky};
+use super::{Emitter, EmitterId, EmitterShape, Lights, Local, nearby, sunsky};
 use crate::accel::Bounds;
 use crate::math::Rgb;
 use crate::math::rgb::sanitized;
@@ -212,6 +211,6 @@ fn local(leaves: Vec<(EmitterId, Leaf, Rgb)>) -> Option<Local> {
         tree: LightTree::build(&clusters)?,
         leaves: leaves.into_iter().map(|(id, leaf, _)| (id, leaf)).collect(),
         unit,
-        strongest: beside::strongest(&clusters),
+        strongest: nearby::strongest(&clusters),
     })
 }

@@ -1,8 +1,8 @@
 //! The lights in the scene, and how one of them is chosen.
 
 use super::EmitterId;
-use super::beside::Nearby;
 use super::leaf::Leaf;
+use super::nearby::Nearby;
 use super::selection::LightSelection;
 use super::tree::LightTree;
 use crate::math::distribution::widen;
@@ -38,5 +38,12 @@ impl Local {
         let wide = widen(pick, salt) >> 11;
         let u = wide as f64 * (1.0 / (1u64 << 53) as f64);
         self.tree.sample(p, n, selection, u)
+    }
+
+    /// A leaf, if it is among the strongest.
+    pub fn nearby(&self, leaf: u32) -> Option<&Nearby> {
+        let lights = &self.strongest;
+        let place = lights.binary_search_by_key(&leaf, |light| light.leaf);
+        place.ok().map(|place| &lights[place])
     }
 }

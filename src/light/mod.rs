@@ -31,6 +31,7 @@ mod incident;
 mod latlong;
 mod leaf;
 mod local;
+mod nearby;
 mod point;
 mod projector;
 mod quad;

@@ -6,7 +6,7 @@
 
 use super::super::PixelType;
 use super::super::header::Level;
-use super::flat::Shape;
+use super::stored::Shape;
 use std::fs::File;
 use std::io::{BufReader, Read};
 use zune_core::bytestream::{ZByteReaderTrait, ZCursor};

@@ -8,6 +8,7 @@ mod jpeg_reader;
 mod output;
 mod png_reader;
 mod radiance;
+mod stored;
 #[cfg(test)]
 mod tests;
 mod unread;

@@ -1,7 +1,6 @@
 //! Writing PNG, JPEG and Radiance HDR. The curve has been applied before.
 
-use super::super::write::Format;
-use super::super::{AttributeValue, Compression, Image, PixelType, WriteOptions};
+use super::super::{AttributeValue, Compression, Format, Image, PixelType, WriteOptions};
 use super::radiance;
 use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
 use std::fs::File;

@@ -6,7 +6,7 @@
 
 use super::super::PixelType;
 use super::super::header::Level;
-use super::flat::{Shape, Stored};
+use super::stored::{Shape, Stored};
 use png::{BitDepth, Decoder, Limits, Reader, Transformations};
 use std::fs::File;
 use std::io::BufReader;

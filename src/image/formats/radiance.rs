@@ -5,7 +5,7 @@
 
 use super::super::PixelType;
 use super::super::header::Level;
-use super::flat::Shape;
+use super::stored::Shape;
 use std::io::{BufRead, Read, Write};
 
 /// Longest line of a header, in bytes.

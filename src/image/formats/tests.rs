@@ -2,7 +2,7 @@
 //! this build has it.
 
 use super::super::header::Header;
-use super::super::{Attribute, Compression, Image, ImageError, WriteOptions, write::Format};
+use super::super::{Attribute, Compression, Format, Image, ImageError, WriteOptions};
 use super::*;
 use crate::image::PixelType;
 use crate::math::Pcg32;

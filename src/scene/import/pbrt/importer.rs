@@ -1,12 +1,11 @@
 //! What has been imported so far of a [`Source`], and what every family of directives needs.
 
 use super::graphics::{Definition, Graphics, Identity};
-use super::nested::Nested;
+use super::nested::{self, Nested};
 use super::params::Params;
 use super::pending::PendingShape;
 use super::source::Source;
 use super::statement::{Directive, Plugin};
-use super::{materials, textures};
 use crate::bsdf::{MaterialId, Materials};
 use crate::light::{Emitter, EnvironmentImage};
 use crate::math::{DAffine3, DVec3};
@@ -124,10 +123,10 @@ impl<'s> Importer<'s> {
             named_media: HashMap::new(),
             first: OnceCell::new(),
             materials: Materials::default(),
-            material_of: Nested::new(materials::LIMITS),
+            material_of: Nested::new(nested::MATERIALS),
             masked: HashMap::new(),
             default_material: None,
-            texture_of: Nested::new(textures::LIMITS),
+            texture_of: Nested::new(nested::TEXTURES),
             environments,
             media: Media::default(),
             medium_of: HashMap::new(),

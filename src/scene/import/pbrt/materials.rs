@@ -11,7 +11,6 @@ use super::graphics::{Chosen, Definition};
 use super::images;
 use super::importer::{Importer, Role};
 use super::interfaces::Made;
-use super::nested::Limits;
 use super::parameter::{Kind, Values};
 use super::params::Params;
 use super::statement::Directive;
@@ -38,13 +37,6 @@ pub(super) const MATERIALS: &[&str] = &[
     "hair",
     "subsurface",
 ];
-
-/// How materials may hold others.
-pub(super) const LIMITS: Limits = Limits {
-    things: "materials",
-    deepest: 32,
-    most: 128,
-};
 
 impl<'s> Importer<'s> {
     /// The material that shapes get now.

@@ -13,6 +13,20 @@ pub(super) struct Limits {
     pub most: usize,
 }
 
+/// How materials may hold others.
+pub(super) const MATERIALS: Limits = Limits {
+    things: "materials",
+    deepest: 32,
+    most: 128,
+};
+
+/// How textures may hold others.
+pub(super) const TEXTURES: Limits = Limits {
+    things: "textures",
+    deepest: 64,
+    most: 256,
+};
+
 /// What was made by definition, and how far the one that is being made has come.
 pub(super) struct Nested<K, V> {
     limits: Limits,

@@ -2,7 +2,6 @@
 
 use super::graphics::Definition;
 use super::importer::{Importer, Role};
-use super::nested::Limits;
 use super::parameter::{Kind, Parameter, Values};
 use super::params::Params;
 use super::statement::Directive;
@@ -27,12 +26,6 @@ pub(super) const TEXTURES: &[&str] = &[
     "marble",
 ];
 
-/// How textures may hold others.
-pub(super) const LIMITS: Limits = Limits {
-    things: "textures",
-    deepest: 64,
-    most: 256,
-};
 /// Octaves of noise: beyond them no float has digits.
 const MOST_OCTAVES: u32 = 32;
 
