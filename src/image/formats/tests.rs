@@ -11,9 +11,9 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 mod damage;
-mod jpeg;
-mod png;
-mod radiance;
+mod jpeg_files;
+mod png_files;
+mod radiance_files;
 
 /// A directory, and the name of a file in it with that content.
 fn file(name: &str, bytes: &[u8]) -> (tempfile::TempDir, PathBuf) {

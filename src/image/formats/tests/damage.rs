@@ -1,5 +1,7 @@
 //! Files that are damaged, that lie, that are of other formats, and files that were written.
 
+use super::jpeg_files::{jpeg_file, ramp};
+use super::png_files::png_file;
 use super::*;
 
 /// One file of each format, of noise.

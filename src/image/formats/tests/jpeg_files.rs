@@ -3,7 +3,7 @@
 use super::*;
 
 /// A ramp in each channel, with an edge across.
-fn ramp(channels: usize) -> Vec<u8> {
+pub(super) fn ramp(channels: usize) -> Vec<u8> {
     let value = |i: u32, c: usize| {
         let (x, y) = (i % 64, i / 64);
         let edge = if x + y > 90 { 60 } else { 0 };
@@ -14,7 +14,12 @@ fn ramp(channels: usize) -> Vec<u8> {
         .collect()
 }
 
-fn jpeg_file(color: Jpeg, channels: usize, sampling: SamplingFactor, progressive: bool) -> Vec<u8> {
+pub(super) fn jpeg_file(
+    color: Jpeg,
+    channels: usize,
+    sampling: SamplingFactor,
+    progressive: bool,
+) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut encoder = Encoder::new(&mut bytes, 95);
     encoder.set_sampling_factor(sampling);

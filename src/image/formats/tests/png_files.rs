@@ -3,7 +3,7 @@
 use super::*;
 
 /// A PNG of random bits, and the codes of its samples.
-fn png_file(
+pub(super) fn png_file(
     color: png::ColorType,
     depth: png::BitDepth,
     palette: Option<&[u8]>,
