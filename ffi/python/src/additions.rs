@@ -76,11 +76,13 @@ pub fn parts_of(additions: &[Addition]) -> Parts {
 
 /// Puts additions into a scene.
 pub fn add_to(description: &mut Description, additions: &[Addition]) {
-    let mut parts = Parts::default();
-    parts.shapes = std::mem::take(&mut description.shapes);
-    parts.materials = std::mem::take(&mut description.materials);
-    parts.media = std::mem::take(&mut description.media);
-    parts.emitters = std::mem::take(&mut description.emitters);
+    let mut parts = Parts {
+        shapes: std::mem::take(&mut description.shapes),
+        materials: std::mem::take(&mut description.materials),
+        media: std::mem::take(&mut description.media),
+        emitters: std::mem::take(&mut description.emitters),
+        ..Parts::default()
+    };
     additions.iter().for_each(|a| a.add(&mut parts));
     description.shapes = parts.shapes;
     description.materials = parts.materials;
