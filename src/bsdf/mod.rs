@@ -72,6 +72,7 @@ pub struct BsdfSample {
     pub lobe: LobeFlags,
 }
 
+mod albedo_scaling;
 mod clear_coat;
 mod coat_and_base;
 mod delta_split;

@@ -7,10 +7,10 @@
 //! `1 - max(color) max(E(wo), E(wi))` with the albedo E of white fibres, which is reciprocal and
 //! never returns more than was received.
 
-use super::layer::split;
-use super::lobes::{GLOSSY_REFLECTION, Lobe, mean, share, smooth_sample, weighted};
+use super::LobeFlags;
+use super::albedo_scaling::AlbedoScaling;
+use super::lobes::{GLOSSY_REFLECTION, Lobe, mean, share};
 use super::transmittance::gauss_legendre;
-use super::{BsdfSample, LobeFlags, Transport};
 use crate::math::warp::{cosine_hemisphere, cosine_hemisphere_pdf};
 use crate::math::{Rgb, Vec2, Vec3};
 use glam::FloatExt;
@@ -75,15 +75,15 @@ impl Sheen {
         let table = albedos();
         at(&table[i]).lerp(at(&table[i + 1]), beyond)
     }
+}
 
-    /// What is left for the model beneath.
+impl AlbedoScaling for Sheen {
     fn through(&self, wo: Vec3, wi: Vec3) -> f32 {
         let most = self.albedo(wo).max(self.albedo(wi));
         1.0 - (self.color.max_element() * most).min(1.0)
     }
 
-    /// Probability of sampling the fibres.
-    fn p_fibres(&self, inner: &impl Lobe, wo: Vec3) -> f32 {
+    fn p_layer(&self, inner: &impl Lobe, wo: Vec3) -> f32 {
         let r = self.albedo(wo) * mean(self.color);
         if r == 0.0 {
             return 0.0;
@@ -92,44 +92,13 @@ impl Sheen {
         share(r, (1.0 - r).max(0.0) * mean(inner.albedo()).clamp(0.1, 1.0))
     }
 
-    pub fn eval_pdf(
-        &self,
-        inner: &impl Lobe,
-        wo: Vec3,
-        wi: Vec3,
-        transport: Transport,
-    ) -> (Rgb, f32) {
-        let p = self.p_fibres(inner, wo);
-        let (below, below_pdf) = inner.eval_pdf(wo, wi, transport);
-        let (value, pdf) = (below * self.through(wo, wi), below_pdf * (1.0 - p));
-        if wo.z <= 0.0 || wi.z <= 0.0 {
-            return (value, pdf);
-        }
+    fn reflected(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
         let fibres = self.color * self.fibres.reflected(wo, wi);
-        (value + fibres, pdf + p * cosine_hemisphere_pdf(wi.z))
+        (fibres, cosine_hemisphere_pdf(wi.z))
     }
 
-    pub fn sample(
-        &self,
-        inner: &impl Lobe,
-        wo: Vec3,
-        (u_lobe, u): (f32, Vec2),
-        transport: Transport,
-    ) -> Option<BsdfSample> {
-        let p = self.p_fibres(inner, wo);
-        let (fibres, u_lobe) = split(u_lobe, p);
-        let (wi, eta, lobe) = if fibres {
-            (cosine_hemisphere(u), 1.0, GLOSSY_REFLECTION)
-        } else {
-            let s = inner.sample(wo, u_lobe, u, transport)?;
-            if s.lobe.has(LobeFlags::DELTA) {
-                let weight = s.weight * (self.through(wo, s.wi) / (1.0 - p));
-                return weighted(s.wi, weight, s.pdf * (1.0 - p), s.eta, s.lobe);
-            }
-            (s.wi, s.eta, s.lobe)
-        };
-        let (value, pdf) = self.eval_pdf(inner, wo, wi, transport);
-        smooth_sample(wi, value, pdf, eta, lobe)
+    fn sample_layer(&self, _: Vec3, u: Vec2) -> Option<Vec3> {
+        Some(cosine_hemisphere(u))
     }
 }
 

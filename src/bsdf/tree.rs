@@ -4,6 +4,7 @@
 //! Nearly every material is one node, or two with a bump map; the array holds [`INLINE`] of them in
 //! place and goes to the heap only for deeper nests.
 
+use super::albedo_scaling::AlbedoScaling;
 use super::clear_coat::ClearCoat;
 use super::layer::{Coating, RoughCoating};
 use super::lobes::rough_plastic::RoughPlasticLobe;
