@@ -97,6 +97,20 @@ pub struct ProbeArgs {
     pub exposure: f32,
 }
 
+impl ProbeArgs {
+    /// How light is traced for it.
+    pub fn light(&self) -> LightArgs {
+        LightArgs {
+            max_depth: self.max_depth,
+            rr_depth: None,
+            sampler: None,
+            seed: self.seed,
+            hide_emitters: !self.direct,
+            strict_normals: false,
+        }
+    }
+}
+
 /// A pixel of a film: column from the left, row from the top.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ProbedPixel {
@@ -166,14 +180,7 @@ fn look(args: &FieldArgs, scene: &Path, opened: &Opened) -> Result<(), Failure> 
     let (loaded, scene) = read(args, scene, opened)?;
     let description = &loaded.description;
     let film = &description.film;
-    let light = LightArgs {
-        max_depth: args.probe.max_depth,
-        rr_depth: None,
-        sampler: None,
-        seed: args.probe.seed,
-        hide_emitters: !args.probe.direct,
-        strict_normals: false,
-    };
+    let light = args.probe.light();
     let settings = settings::path_settings(&light, &description.render, GuidedSettings::PLAIN);
     let guide = to_guide(&opened.file);
     let view = View {

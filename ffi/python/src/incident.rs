@@ -11,7 +11,6 @@ use std::f32::consts::PI;
 use twintree::camera::Camera;
 use twintree::cli::args::Command;
 use twintree::cli::field::FieldArgs;
-use twintree::cli::light_args::LightArgs;
 use twintree::cli::load::Loaded;
 use twintree::cli::ray_args::RayArgs;
 use twintree::cli::settings;
@@ -36,14 +35,7 @@ fn found(scene: &Scene, args: &FieldArgs, [x, y]: [u32; 2]) -> Result<Incident, 
             "pixel {x}, {y} lies beyond the film of {width} x {height} pixels"
         )));
     }
-    let light = LightArgs {
-        max_depth: args.probe.max_depth,
-        rr_depth: None,
-        sampler: None,
-        seed: args.probe.seed,
-        hide_emitters: !args.probe.direct,
-        strict_normals: false,
-    };
+    let light = args.probe.light();
     let settings = settings::path_settings(&light, &description.render, GuidedSettings::PLAIN);
     let camera = Camera::new(&description.camera, width, height);
     let centre = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);

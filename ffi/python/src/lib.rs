@@ -25,6 +25,7 @@ mod incident;
 mod messages;
 mod picture;
 mod program;
+mod progress;
 mod render;
 mod scene;
 mod trainer;
