@@ -6,8 +6,9 @@
 //! techniques for path tracing in participating media", section 3.1). The light is drawn first, by
 //! what it sends to the whole segment.
 
+use super::area::DARK;
 use super::nearby::Nearby;
-use super::{LightSample, Lights};
+use super::{EmitterId, LightSample, Lights};
 use crate::math::mis::power_heuristic;
 use crate::math::{Vec2, Vec3};
 use crate::medium::Segment;
@@ -82,7 +83,10 @@ impl LitSegment {
     /// What a light sends to the segment, about: the integral of its strength over the squared
     /// distance, weakened by the way to the nearest point and from there.
     fn weight(&self, light: &Nearby) -> f32 {
-        let at = Angles::of(&self.segment, light);
+        self.weight_at(light, &Angles::of(&self.segment, light))
+    }
+
+    fn weight_at(&self, light: &Nearby, at: &Angles) -> f32 {
         let nearest = (-at.begin).clamp(0.0, self.segment.length);
         let beside = at.height.hypot(nearest + at.begin);
         let weight = light.strength * at.angle / at.height;
@@ -98,7 +102,7 @@ impl LitSegment {
     /// The density with which a distance is drawn by a light, its choice included.
     fn pdf(&self, light: &Nearby, distance: f32) -> f32 {
         let at = Angles::of(&self.segment, light);
-        self.weight(light) / self.total * at.pdf(distance)
+        self.weight_at(light, &at) / self.total * at.pdf(distance)
     }
 }
 
@@ -178,6 +182,19 @@ impl Lights {
         (sample.pdf > 0.0).then_some(sample)
     }
 
+    /// The leaf that triangle `prim` of an area emitter is, seen from `p`; `q` and `ng` are as in
+    /// [`Lights::pdf_area`].
+    pub fn leaf_at(
+        &self,
+        p: Vec3,
+        (emitter, prim): (EmitterId, u32),
+        (q, ng): (Vec3, Vec3),
+    ) -> Option<u32> {
+        let area = self.areas.get(emitter as usize)?.as_ref()?;
+        let (leaf, _) = area.facing(prim, ng, p - q);
+        (leaf != DARK).then_some(leaf)
+    }
+
     /// MIS weight of light that comes from a leaf to a collision by free flight, against distances
     /// that are drawn by lights. The rest, 1 less this, is the weight of those.
     ///
@@ -193,13 +210,14 @@ impl Lights {
             density,
         } = collision;
         let by_light = self.pdf_beside(lit, leaf, *distance);
+        // Also refuses what is no number.
+        let drawn = by_light > 0.0;
+        if !drawn {
+            return 1.0;
+        }
         let p = lit.segment.at(*distance);
         let share = 1.0 - self.distant_share(p, Vec3::ZERO);
         let chosen = local.tree.probability(p, Vec3::ZERO, &(), leaf as usize);
-        let by_flight = density * chosen * share;
-        match by_light > 0.0 {
-            true => power_heuristic(by_flight, by_light),
-            false => 1.0,
-        }
+        power_heuristic(density * chosen * share, by_light)
     }
 }

@@ -318,19 +318,6 @@ impl Lights {
         density * local.tree.probability(p, n, selection, leaf) * share
     }
 
-    /// The leaf that triangle `prim` of an area emitter is, seen from `p`; `q` and `ng` are as in
-    /// [`Lights::pdf_area`].
-    pub fn leaf_at(
-        &self,
-        p: Vec3,
-        (emitter, prim): (EmitterId, u32),
-        (q, ng): (Vec3, Vec3),
-    ) -> Option<u32> {
-        let area = self.areas.get(emitter as usize)?.as_ref()?;
-        let (leaf, _) = area.facing(prim, ng, p - q);
-        (leaf != DARK).then_some(leaf)
-    }
-
     /// Radiance arriving from outside the scene along the ray direction `dir` (the sum over maps,
     /// skies, suns, constants), and the density (solid angle, selection included) with which
     /// [`Lights::sample`] at `p`, `n` draws it.
