@@ -16,6 +16,7 @@ pub use super::lobes::conductor::Conductor;
 pub use super::lobes::dielectric::Dielectric;
 pub use super::lobes::diffuse::Diffuse;
 pub use super::lobes::diffuse_transmitter::DiffuseTransmitter;
+pub use super::lobes::measured::Measured;
 pub use super::lobes::metallic_roughness::{
     Anisotropy, DiffuseTransmission, Film, MetallicRoughness,
 };
@@ -170,6 +171,7 @@ materials! {
         Ward = "ward",
         DiffuseTransmitter = "difftrans",
         Null = "null",
+        Measured = "measured",
     }
     // Those with so many parameters that the others would be stored in as much space.
     boxed {

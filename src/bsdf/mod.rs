@@ -84,6 +84,7 @@ mod layer;
 mod lobes;
 pub mod material;
 mod materials;
+mod measured;
 mod microfacet;
 mod model;
 mod needs;
@@ -100,6 +101,7 @@ pub use coat_and_base::View;
 pub use delta_split::{DeltaSplit, Rest};
 pub use material::Material;
 pub use materials::Materials;
+pub use measured::{MeasuredBrdf, MeasuredTables};
 
 /// A material at one point: plain numbers, ready to sample.
 ///

@@ -1,6 +1,7 @@
 //! The parameters of a material in a scene file, asked for by name.
 
 use super::fresnel::sane_eta;
+use super::measured::MeasuredBrdf;
 use super::microfacet::Distribution;
 use super::transmittance::{RoughTransmittance, rough_transmittance};
 use crate::math::{Rgb, luminance};
@@ -44,6 +45,9 @@ pub(crate) trait Parameters {
 
     /// `eta`, or the reflectance `specular` that Burley's models have in its place.
     fn principled_ior(&self) -> Result<f32, String>;
+
+    /// The measured material in the file that a parameter names.
+    fn measured(&mut self, name: &'static str) -> Result<&'static MeasuredBrdf, String>;
 }
 
 /// Roughness of a microfacet surface.

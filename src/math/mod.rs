@@ -8,6 +8,7 @@ pub mod frame;
 pub mod kd;
 pub mod mis;
 pub mod offset;
+pub mod piecewise_linear;
 pub mod rgb;
 pub mod rng;
 pub mod sampler;

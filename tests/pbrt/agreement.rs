@@ -84,6 +84,19 @@ fn clear_materials_agree() {
          MakeNamedMaterial \"c\" \"string type\" \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" .3
          NamedMaterial \"c\"",
     );
+    for tables in ["isotropic", "anisotropic"] {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/vectors/measured");
+        let file = format!("\"filename\" \"{folder}/{tables}.bsdf\"");
+        let xml = format!("<string name='filename' value='{folder}/{tables}.bsdf'/>");
+        ball(
+            "measured",
+            &format!("<bsdf type='twosided'><bsdf type='measured'>{xml}</bsdf></bsdf>"),
+            &format!(
+                "Material \"measured\" {}",
+                file.replacen('"', "\"string ", 1)
+            ),
+        );
+    }
     ball(
         "alpha",
         "<bsdf type='mask'><float name='opacity' value='.4'/><bsdf type='twosided'><bsdf \

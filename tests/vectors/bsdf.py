@@ -7,6 +7,7 @@ frame is the identity. Radiance mode.
 """
 
 import json
+from pathlib import Path
 
 import mitsuba as mi
 
@@ -86,6 +87,12 @@ MODELS = {
     },
 }
 
+# Tables by measured/measured.py, asked for more directions than the closed forms.
+MEASURED = {
+    name: {"type": "measured", "filename": str(Path(__file__).parent / "measured" / file)}
+    for name, file in (("measured", "isotropic.bsdf"), ("measured_anisotropic", "anisotropic.bsdf"))
+}
+
 SMOOTH = {
     "dielectric": {"type": "dielectric", "int_ior": 1.5, "ext_ior": 1.0},
     "thin_dielectric": {"type": "thindielectric", "int_ior": 1.5, "ext_ior": 1.0},
@@ -98,6 +105,8 @@ BUMPS = [(0.0, 0.0), (0.3, -0.2), (-1.5, 0.4)]
 
 OUT = [(0.0, 0.0, 1.0), (0.6, 0.0, 0.8), (-0.3, 0.7, 0.4), (0.55, -0.8, 0.1), (0.2, 0.5, -0.7), (-0.9, 0.1, -0.2)]
 IN = [(0.1, -0.05, 1.0), (-0.6, 0.1, 0.8), (0.3, -0.7, 0.5), (0.5, 0.5, 0.1), (-0.3, -0.4, -0.8), (0.6, -0.1, -0.3)]
+# Over all quarters, from the normal to grazing.
+AROUND = [(0.001, 0.001, 1), (-0.5, 0.2, 1), (-1, -0.6, 1), (0.8, -1.9, 1), (3, 2, 1), (-1, 9, 1), (-0.02, -0.04, 1), (20, -5, 1)]
 
 
 def normalized(v):
@@ -175,10 +184,18 @@ def write(value, depth=0):
     return json.dumps(value)
 
 
+def all_evaluations():
+    rows = {n: evaluations(mi.load_dict(d), OUT, IN) for n, d in MODELS.items()}
+    # Along x Mitsuba's azimuth is pi where the tables have -pi.
+    out = [w for w in OUT + AROUND if w[1] != 0 or w[0] == 0]
+    measured = {n: evaluations(mi.load_dict(d), out, IN + AROUND) for n, d in MEASURED.items()}
+    return rows | measured
+
+
 print(
     write(
         {
-            "evaluations": {n: evaluations(mi.load_dict(d), OUT, IN) for n, d in MODELS.items()},
+            "evaluations": all_evaluations(),
             "bumps": [bump(*g) for g in BUMPS],
             "samples": {n: samples(n, mi.load_dict(d)) for n, d in SMOOTH.items()},
         }

@@ -12,6 +12,7 @@ pub(super) mod conductor;
 pub(super) mod dielectric;
 pub(super) mod diffuse;
 pub(super) mod diffuse_transmitter;
+pub(super) mod measured;
 pub(super) mod metallic_roughness;
 mod metallic_roughness_parts;
 pub(super) mod null;

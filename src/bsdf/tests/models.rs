@@ -2,12 +2,13 @@
 //! them. Those of `tests/vectors/bsdf.py` Mitsuba can be asked about.
 
 use crate::bsdf::material::{
-    Dielectric, Diffuse, Distribution, InvalidNormals, Material, MetallicRoughness, Plastic,
-    Principled, RoughConductor, RoughDielectric, Roughness, white,
+    Dielectric, Diffuse, Distribution, InvalidNormals, Material, Measured, MetallicRoughness,
+    Plastic, Principled, RoughConductor, RoughDielectric, Roughness, white,
 };
 use crate::bsdf::{MaterialId, Materials};
 use crate::math::Rgb;
 use crate::texture::Texture;
+use std::path::Path;
 use std::sync::LazyLock;
 
 pub(in crate::bsdf) fn grey(v: f32) -> Texture {
@@ -103,6 +104,15 @@ pub(in crate::bsdf) fn principled(roughness: f32, eta: f32) -> Principled {
 
 pub(in crate::bsdf) fn metallic_roughness(roughness: f32, metallic: f32) -> MetallicRoughness {
     MetallicRoughness::plain(base(), grey(metallic), grey(roughness), 1.5)
+}
+
+/// A table that `tests/vectors/measured/measured.py` made.
+pub(in crate::bsdf) fn tabulated(file: &str) -> Measured {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vectors/measured");
+    let brdf = crate::scene::import::measured::read(&folder.join(file));
+    Measured {
+        brdf: brdf.expect("a measured material"),
+    }
 }
 
 fn coating(inner: MaterialId) -> Material {

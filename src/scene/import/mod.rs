@@ -8,6 +8,7 @@ mod faults;
 pub mod gltf;
 mod gzip;
 pub mod ior;
+pub(crate) mod measured;
 pub mod mesh;
 pub mod mitsuba;
 pub mod models;
@@ -19,6 +20,7 @@ pub mod parts;
 pub mod pbrt;
 pub mod spectrum;
 mod spectrum_tables;
+mod tensor_file;
 pub mod told;
 
 pub use options::{ImportOptions, LoadMesh, OpenTexture};

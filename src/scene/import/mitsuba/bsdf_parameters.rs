@@ -5,9 +5,10 @@ use super::params::Params;
 use super::role::Role;
 use super::textures::times;
 use super::value::{Dialect, Value};
+use crate::bsdf::MeasuredBrdf;
 use crate::bsdf::material::{Distribution, Parameters, Roughness};
 use crate::math::Rgb;
-use crate::scene::import::{ior, named};
+use crate::scene::import::{ior, measured, named};
 use crate::texture::Texture;
 
 /// The least roughness: a distribution of width 0 is not a function. Mitsuba's bound.
@@ -163,5 +164,11 @@ impl Parameters for Asking<'_, '_> {
                 (2.0 / (1.0 - (0.08 * specular).sqrt()) - 1.0) as f32
             }
         })
+    }
+
+    fn measured(&mut self, name: &'static str) -> Result<&'static MeasuredBrdf, String> {
+        let given = self.p.text(name);
+        let given = given.ok_or_else(|| format!("a measured material needs a \"{name}\""))?;
+        measured::read(&self.p.document().resolve(self.p.place_of(name), given))
     }
 }

@@ -14,11 +14,11 @@ use super::interfaces::Made;
 use super::parameter::{Kind, Values};
 use super::params::Params;
 use super::statement::Directive;
-use crate::bsdf::material::{Diffuse, DiffuseTransmitter, InvalidNormals, Null};
+use crate::bsdf::material::{Diffuse, DiffuseTransmitter, InvalidNormals, Measured, Null};
 use crate::bsdf::{Material, MaterialId};
 use crate::math::Rgb;
 use crate::scene::import::faults::At;
-use crate::scene::import::named;
+use crate::scene::import::{measured, named};
 use crate::texture::{BitmapSettings, Filter, Texture, Wrap};
 use glam::Affine2;
 
@@ -190,12 +190,10 @@ impl<'s> Importer<'s> {
             "subsurface" => Made::Clear(self.subsurface(p)?),
             "hair" => Made::Opaque(self.hair(p)),
             "measured" => {
-                p.ignore(&["filename"]);
-                let message =
-                    "measured materials are not read: a diffuse grey of 0.5 takes its place";
-                self.warn_at(p.at(), message);
-                let reflectance = Texture::Constant(Rgb::splat(0.5));
-                Made::Opaque(Diffuse { reflectance }.into())
+                let path = self.file_given(p, "filename");
+                let path = path.ok_or("a measured material needs a \"filename\"")?;
+                let brdf = measured::read(&path)?;
+                Made::Opaque(Measured { brdf }.into())
             }
             other => match self.model_v3(p, other)? {
                 Some(made) => made,

@@ -106,7 +106,15 @@ fn defaults_are_mitsubas() {
 fn every_material_is_read() {
     let diffuse = "<bsdf type='diffuse'/>";
     let texture = "<texture type='checkerboard'/>";
+    let tables = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/tests/vectors/measured/isotropic.bsdf"
+    );
     let around = [
+        (
+            "measured",
+            format!("<string name='filename' value='{tables}'/>"),
+        ),
         ("mask", diffuse.to_owned()),
         ("twosided", diffuse.to_owned()),
         ("twosided", diffuse.repeat(2)),
