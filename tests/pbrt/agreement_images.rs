@@ -107,24 +107,36 @@ fn goniometric_lights_agree() {
     lit(&stage, "goniometric by its power", &emitter, light);
 }
 
-/// Voxels of a grid along an axis; the outermost are empty.
-const VOXELS: usize = 6;
+/// Voxels of a grid along an axis.
+const VOXELS: usize = 4;
+/// Those of Mitsuba's, which has empty ones around: there pbrt has nothing.
+const PADDED: usize = VOXELS + 2;
 
 /// A number for each voxel, different along each axis.
 fn voxels() -> Vec<f32> {
-    let inner = |i: usize| (1..VOXELS - 1).contains(&i);
-    let value = |x: usize, y: usize, z: usize| match inner(x) && inner(y) && inner(z) {
-        true => 0.2 * x as f32 + 0.35 * (VOXELS - y) as f32 + 0.1 * (z * z) as f32,
-        false => 0.0,
+    let value = |x: usize, y: usize, z: usize| {
+        0.2 * (x + 1) as f32 + 0.35 * (VOXELS - y) as f32 + 0.1 * ((z + 1) * (z + 1)) as f32
     };
     let places = (0..VOXELS.pow(3)).map(|i| [i % VOXELS, i / VOXELS % VOXELS, i / VOXELS / VOXELS]);
     places.map(|[x, y, z]| value(x, y, z)).collect()
 }
 
+/// The same values with 0 around.
+fn padded(values: &[f32]) -> Vec<f32> {
+    let place = |i: usize| [i % PADDED, i / PADDED % PADDED, i / PADDED / PADDED];
+    let value = |place: [usize; 3]| {
+        let inside = |i: usize| i.checked_sub(1).filter(|i| *i < VOXELS);
+        let [x, y, z] = place.map(inside);
+        Some(values[(z? * VOXELS + y?) * VOXELS + x?])
+    };
+    let places = (0..PADDED.pow(3)).map(place);
+    places.map(|place| value(place).unwrap_or(0.0)).collect()
+}
+
 /// Mitsuba's grid of three channels.
 fn grid(stage: &Stage, name: &str, values: &[f32]) {
     let mut bytes = b"VOL\x03".to_vec();
-    let n = VOXELS as i32;
+    let n = PADDED as i32;
     bytes.extend([1, n, n, n, 3].iter().flat_map(|i: &i32| i.to_le_bytes()));
     let corners = [0f32, 0.0, 0.0, 1.0, 1.0, 1.0];
     bytes.extend(corners.iter().chain(values).flat_map(|x| x.to_le_bytes()));
@@ -136,12 +148,17 @@ fn numbers(values: &[f32]) -> String {
     words.join(" ")
 }
 
+/// The box around the fog.
+const BOX: &str = "Shape \"trianglemesh\" \"point3 P\" [-1.5 -1 -1 1.5 -1 -1 -1.5 1 -1 1.5 1 -1
+    -1.5 -1 1 1.5 -1 1 -1.5 1 1 1.5 1 1] \"integer indices\" [0 2 3 0 3 1 4 5 7 4 7 6
+    0 1 5 0 5 4 2 6 7 2 7 3 0 4 6 0 6 2 1 3 7 1 7 5]";
+
 fn fog(stage: &Stage, name: &str, medium: &str) {
     let volume = |of: &str, file: &str| {
         format!(
             "<volume name='{of}' type='gridvolume'><string name='filename' value='{file}'/>
              <boolean name='raw' value='true'/><transform name='to_world'>
-             <translate value='-.5'/><scale x='3' y='2' z='2'/></transform></volume>"
+             <translate value='-.5'/><scale x='4.5' y='3' z='3'/></transform></volume>"
         )
     };
     let (sigma_t, albedo) = (
@@ -149,7 +166,7 @@ fn fog(stage: &Stage, name: &str, medium: &str) {
         volume("albedo", "albedo.vol"),
     );
     let fog = format!(
-        "<shape type='sphere'><float name='radius' value='1.3'/><bsdf type='null'/>
+        "<shape type='cube'><transform name='to_world'><scale x='1.5'/></transform><bsdf type='null'/>
          <medium name='interior' type='heterogeneous'>{sigma_t}{albedo}
          <phase type='hg'><float name='g' value='.4'/></phase></medium></shape>"
     );
@@ -157,7 +174,7 @@ fn fog(stage: &Stage, name: &str, medium: &str) {
         "MakeNamedMedium \"fog\" \"string type\" {medium} \"float g\" .4
          \"point3 p0\" [-1.5 -1 -1] \"point3 p1\" [1.5 1 1]
          \"integer nx\" {VOXELS} \"integer ny\" {VOXELS} \"integer nz\" {VOXELS}
-         MediumInterface \"fog\" \"\" Material \"interface\" Shape \"sphere\" \"float radius\" 1.3"
+         MediumInterface \"fog\" \"\" Material \"interface\" {BOX}"
     );
     let xml = mitsuba(SENSOR, &format!("{}{fog}", SKY[0]));
     let text = pbrt(CAMERA, &format!("{} {text}", SKY[1]));
@@ -169,9 +186,10 @@ fn fog(stage: &Stage, name: &str, medium: &str) {
 fn grids_of_densities_agree() {
     let stage = Stage::new();
     let (density, albedo) = (voxels(), [0.9f32, 0.7, 0.5]);
-    let colors = density.iter().flat_map(|d| [d * 2.0, d * 1.5, d * 1.2]);
+    let colors = padded(&density).into_iter();
+    let colors = colors.flat_map(|d| [d * 2.0, d * 1.5, d * 1.2]);
     grid(&stage, "sigma_t.vol", &colors.collect::<Vec<f32>>());
-    grid(&stage, "albedo.vol", &albedo.repeat(VOXELS.pow(3)));
+    grid(&stage, "albedo.vol", &albedo.repeat(PADDED.pow(3)));
     let medium = format!(
         "\"uniformgrid\" \"float density\" [{}] \"float scale\" 2
          \"rgb sigma_s\" [.9 .525 .3] \"rgb sigma_a\" [.1 .225 .3]",
@@ -184,15 +202,17 @@ fn grids_of_densities_agree() {
 fn grids_of_colours_agree() {
     let stage = Stage::new();
     let density = voxels();
-    let of = |share: [f32; 3]| -> Vec<f32> {
+    let of = |density: &[f32], share: [f32; 3]| -> Vec<f32> {
         density.iter().flat_map(|d| share.map(|s| d * s)).collect()
     };
-    grid(&stage, "sigma_t.vol", &of([2.0, 1.5, 1.2]));
-    let albedo = density
-        .iter()
-        .flat_map(|d| [0.9f32, 0.7, 0.5].map(|a| if *d > 0.0 { a } else { 0.0 }));
-    grid(&stage, "albedo.vol", &albedo.collect::<Vec<f32>>());
-    let (scattered, absorbed) = (of([0.9, 0.525, 0.3]), of([0.1, 0.225, 0.3]));
+    grid(
+        &stage,
+        "sigma_t.vol",
+        &of(&padded(&density), [2.0, 1.5, 1.2]),
+    );
+    grid(&stage, "albedo.vol", &[0.9, 0.7, 0.5].repeat(PADDED.pow(3)));
+    let scattered = of(&density, [0.9, 0.525, 0.3]);
+    let absorbed = of(&density, [0.1, 0.225, 0.3]);
     let medium = format!(
         "\"rgbgrid\" \"rgb sigma_s\" [{}] \"rgb sigma_a\" [{}] \"float scale\" 2",
         numbers(&scattered),

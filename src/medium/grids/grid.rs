@@ -189,22 +189,31 @@ impl Grid {
     pub(super) fn corners(&self, cell: [i64; 3]) -> [usize; 8] {
         let pair = |axis: usize| [cell[axis] - 1, cell[axis]].map(|i| self.wrapped(axis, i));
         let [x, y, z] = [pair(0), pair(1), pair(2)];
+        std::array::from_fn(|c| self.at([x[c & 1], y[c >> 1 & 1], z[c >> 2]]))
+    }
+
+    /// The index of the voxel with these numbers along the axes; one beyond all values where there
+    /// is none.
+    #[inline]
+    pub(super) fn at(&self, voxel: [Option<usize>; 3]) -> usize {
         let [width, height, _] = self.resolution.map(|n| n as usize);
-        std::array::from_fn(|c| (z[c >> 2] * height + y[c >> 1 & 1]) * width + x[c & 1])
+        match voxel {
+            [Some(x), Some(y), Some(z)] => (z * height + y) * width + x,
+            _ => self.values.len(),
+        }
     }
 
     /// The index of a voxel, which may lie beyond the grid.
     #[inline]
     pub(super) fn index(&self, voxel: [i64; 3]) -> usize {
-        let [x, y, z] = [0, 1, 2].map(|axis| self.wrapped(axis, voxel[axis]));
-        let [width, height, _] = self.resolution.map(|n| n as usize);
-        (z * height + y) * width + x
+        self.at([0, 1, 2].map(|axis| self.wrapped(axis, voxel[axis])))
     }
 
-    /// A voxel's value in one channel.
+    /// A voxel's value in one channel; 0 where there is none.
     #[inline]
     pub(super) fn value(&self, voxel: usize, channel: usize) -> f64 {
-        f64::from(self.values[voxel * self.channels as usize + channel])
+        let value = self.values.get(voxel * self.channels as usize + channel);
+        value.map_or(0.0, |value| f64::from(*value))
     }
 
     /// A voxel's value in all channels.
@@ -227,9 +236,9 @@ impl Grid {
         DVec3::from_array(self.resolution.map(f64::from))
     }
 
-    /// The voxel along an axis that stands for number `i`.
+    /// The voxel along an axis that stands for number `i`; none where there is nothing.
     #[inline]
-    pub(super) fn wrapped(&self, axis: usize, i: i64) -> usize {
+    pub(super) fn wrapped(&self, axis: usize, i: i64) -> Option<usize> {
         self.lookup.wrap.voxel(i, self.resolution[axis])
     }
 

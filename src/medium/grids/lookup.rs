@@ -20,6 +20,8 @@ pub enum Wrap {
     Repeat,
     /// The grid again, every other one mirrored.
     Mirror,
+    /// Nothing: 0. Towards the border, beyond the outermost centres, values fall to half (pbrt).
+    Zero,
 }
 
 /// How values between and beyond the centres of voxels are made.
@@ -32,9 +34,9 @@ pub struct Lookup {
 }
 
 impl Wrap {
-    /// The voxel of `count` that stands for number `i`.
+    /// The voxel of `count` that stands for number `i`; none where there is nothing.
     #[inline]
-    pub(super) fn voxel(self, i: i64, count: u32) -> usize {
+    pub(super) fn voxel(self, i: i64, count: u32) -> Option<usize> {
         let n = i64::from(count);
         let inside = match self {
             _ if (0..n).contains(&i) => i,
@@ -44,7 +46,8 @@ impl Wrap {
                 let twice = i.rem_euclid(2 * n);
                 twice.min(2 * n - 1 - twice)
             }
+            Self::Zero => return None,
         };
-        inside as usize
+        Some(inside as usize)
     }
 }

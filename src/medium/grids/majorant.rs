@@ -43,7 +43,7 @@ impl Majorants {
     /// than 256 voxels.
     pub fn new(grid: &Grid) -> Self {
         let cells = grid.resolution().map(|n| n.div_ceil(VOXELS).min(MAX_CELLS));
-        let supports: [Vec<Vec<usize>>; 3] = std::array::from_fn(|axis| {
+        let supports: [Vec<Vec<Option<usize>>>; 3] = std::array::from_fn(|axis| {
             let of_cell = |cell| support(grid, axis, cell, cells[axis]);
             (0..cells[axis]).map(of_cell).collect()
         });
@@ -93,8 +93,9 @@ impl std::fmt::Debug for Majorants {
     }
 }
 
-/// The voxels along an axis that values in cell `cell` of `cells` are made of.
-fn support(grid: &Grid, axis: usize, cell: u32, cells: u32) -> Vec<usize> {
+/// The voxels along an axis that values in cell `cell` of `cells` are made of; none of them where
+/// there is nothing.
+fn support(grid: &Grid, axis: usize, cell: u32, cells: u32) -> Vec<Option<usize>> {
     let voxels_per_cell = f64::from(grid.resolution()[axis]) / f64::from(cells);
     let low = f64::from(cell) * voxels_per_cell - MARGIN;
     let high = f64::from(cell + 1) * voxels_per_cell + MARGIN;
@@ -103,7 +104,7 @@ fn support(grid: &Grid, axis: usize, cell: u32, cells: u32) -> Vec<usize> {
         // The centres on both sides.
         Filter::Trilinear => ((low - 0.5).floor(), (high - 0.5).floor() + 1.0),
     };
-    let mut voxels: Vec<usize> = (first as i64..=last as i64)
+    let mut voxels: Vec<Option<usize>> = (first as i64..=last as i64)
         .map(|i| grid.wrapped(axis, i))
         .collect();
     voxels.sort_unstable();
@@ -112,16 +113,16 @@ fn support(grid: &Grid, axis: usize, cell: u32, cells: u32) -> Vec<usize> {
 }
 
 /// The least and the largest value over all channels of the voxels at the crossings of three lists.
-fn least_and_largest(grid: &Grid, [xs, ys, zs]: [&[usize]; 3]) -> [f32; 2] {
+fn least_and_largest(grid: &Grid, [xs, ys, zs]: [&[Option<usize>]; 3]) -> [f32; 2] {
     let channels = grid.channels() as usize;
-    let [width, height, _] = grid.resolution().map(|n| n as usize);
     let mut bounds = [f32::INFINITY, 0.0];
     for z in zs {
         for y in ys {
             for x in xs {
-                let first = ((z * height + y) * width + x) * channels;
-                let values = &grid.values()[first..first + channels];
+                let first = grid.at([*x, *y, *z]) * channels;
+                let values = grid.values().get(first..first + channels);
                 bounds = values
+                    .unwrap_or(&[0.0])
                     .iter()
                     .fold(bounds, |[least, most], &v| [least.min(v), most.max(v)]);
             }

@@ -1,6 +1,7 @@
 //! Values between voxels, against those of Mitsuba 3.9.1 in its variant `scalar_rgb`:
 //! `mi.load_dict({'type': 'gridvolume', 'grid': mi.VolumeGrid(...), 'filter_type': ...,
-//! 'wrap_mode': ..., 'raw': True}).eval_1(...)`.
+//! 'wrap_mode': ..., 'raw': True}).eval_1(...)`. What is 0 beyond the grid it has not: those are sums
+//! over eight voxels in double precision.
 
 use super::*;
 
@@ -22,7 +23,7 @@ const POINTS: [[f32; 3]; 10] = [
     [0.375, 0.4999, 0.75],
 ];
 /// By filter and wrap mode, in the order of [`lookups`].
-const EXPECTED: [[f32; 10]; 6] = [
+const EXPECTED: [[f32; 10]; 8] = [
     [
         2.19, 7.25, 3.0, 1.0, 7.371901, 8.0, 4.0, 5.130001, 8.999999, 9.9982,
     ],
@@ -32,9 +33,13 @@ const EXPECTED: [[f32; 10]; 6] = [
     [
         2.19, 7.25, 3.0, 1.0, 7.371901, 8.0, 4.0, 5.130001, 4.71, 9.9982,
     ],
+    [
+        1.971, 7.25, 1.218, 0.148824, 7.3719, 1.0, 0.4, 0.513, 0.0, 9.9982,
+    ],
     [1.0, 6.0, 3.0, 1.0, 11.0, 8.0, 2.0, 7.0, 9.0, 10.0],
     [1.0, 6.0, 3.0, 1.0, 11.0, 1.0, 3.0, 6.0, 10.0, 10.0],
     [1.0, 6.0, 3.0, 1.0, 11.0, 8.0, 2.0, 7.0, 3.0, 10.0],
+    [1.0, 6.0, 3.0, 1.0, 11.0, 0.0, 0.0, 0.0, 0.0, 10.0],
 ];
 
 fn example(to_world: Affine3A, lookup: Lookup) -> Grid {
@@ -47,7 +52,7 @@ fn is_close(a: f32, b: f32) -> bool {
 }
 
 #[test]
-fn values_are_those_of_mitsuba() {
+fn values_are_those_of_mitsuba_and_nothing_lies_beyond() {
     for (lookup, expected) in lookups().zip(EXPECTED) {
         let grid = example(Affine3A::IDENTITY, lookup);
         for (p, e) in POINTS.iter().zip(expected) {

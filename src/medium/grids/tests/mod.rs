@@ -44,7 +44,7 @@ fn odd_place() -> Affine3A {
 
 /// Every filter with every wrap mode.
 fn lookups() -> impl Iterator<Item = Lookup> + Clone {
-    let wraps = [Wrap::Clamp, Wrap::Repeat, Wrap::Mirror];
+    let wraps = [Wrap::Clamp, Wrap::Repeat, Wrap::Mirror, Wrap::Zero];
     [Filter::Trilinear, Filter::Nearest]
         .into_iter()
         .flat_map(move |filter| wraps.map(|wrap| Lookup { filter, wrap }))

@@ -59,7 +59,7 @@ fn check(medium: &Heterogeneous, org: Vec3, dir: Vec3, distance: f32, seed: u64,
 /// Checks rays through random media with some of the look-ups.
 fn check_random(channels: u32, stride: usize) {
     let mut rng = Pcg32::new(9, u64::from(channels));
-    for (i, lookup) in lookups().enumerate().step_by(stride) {
+    for (i, lookup) in lookups().enumerate().step_by(stride).take(3) {
         let (org, dir) = ray(&odd_place(), &mut rng);
         let medium = random(channels, lookup, (org, dir), 1.1);
         let what = format!("{lookup:?}, {channels} channels");

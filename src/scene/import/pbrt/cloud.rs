@@ -7,6 +7,7 @@ use super::params::Params;
 use super::subsurface::homogeneous;
 use crate::math::{DVec3, Vec3};
 use crate::medium::Extinction;
+use crate::medium::grids::Wrap;
 use crate::texture::noise;
 use rayon::prelude::*;
 
@@ -51,7 +52,7 @@ impl<'s> Importer<'s> {
         );
         let medium = homogeneous(sigma_a, sigma_s);
         let densities = densities(&cloud, resolution, [from.as_vec3(), to.as_vec3()]);
-        self.of_density(p, resolution, &densities, &medium, 1.0)
+        self.of_density(p, resolution, &densities, &medium, 1.0, Wrap::Clamp)
     }
 }
 

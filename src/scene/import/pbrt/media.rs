@@ -7,7 +7,7 @@ use super::statement::Directive;
 use super::subsurface::homogeneous;
 use super::{graphics, presets};
 use crate::math::{DAffine3, DVec3, Rgb};
-use crate::medium::grids::{Albedo, Grid, Heterogeneous, Lookup};
+use crate::medium::grids::{Albedo, Filter, Grid, Heterogeneous, Lookup, Wrap};
 use crate::medium::{Extinction, Homogeneous, Medium, MediumId, PhaseLobe, VACUUM};
 use crate::scene::import::faults::At;
 use crate::scene::import::named;
@@ -118,41 +118,13 @@ impl<'s> Importer<'s> {
         resolution: [u32; 3],
         channels: u32,
         values: Vec<f32>,
+        wrap: Wrap,
     ) -> Result<Grid, String> {
         let place = graphics::single(self.to_box(p)?);
-        Grid::new(
-            resolution,
-            channels,
-            Arc::new(values),
-            place,
-            Lookup::default(),
-        )
-        .map_err(|why| why.to_string())
-    }
-
-    /// pbrt has nothing beyond a grid, so that densities fall by half from the centres of the
-    /// outermost voxels to the border; here they stay.
-    fn warn_of_borders(
-        &mut self,
-        p: &Params,
-        resolution: [u32; 3],
-        channels: usize,
-        values: &[f32],
-    ) {
-        let [nx, ny, nz] = resolution.map(|n| n as usize);
-        let outermost = |i: usize| {
-            let (x, y, z) = (i % nx, i / nx % ny, i / nx / ny);
-            x == 0 || y == 0 || z == 0 || x + 1 == nx || y + 1 == ny || z + 1 == nz
-        };
-        let filled = values.chunks(channels).enumerate();
-        let mut filled = filled.filter(|(_, v)| v.iter().any(|v| *v != 0.0));
-        if filled.any(|(i, _)| outermost(i)) {
-            self.warn_at(
-                p.at(),
-                "the outermost voxels of this grid are not empty: within half a voxel of its \
-                 border it is denser than in pbrt",
-            );
-        }
+        let filter = Filter::Trilinear;
+        let lookup = Lookup { filter, wrap };
+        Grid::new(resolution, channels, Arc::new(values), place, lookup)
+            .map_err(|why| why.to_string())
     }
 
     /// One density for each voxel, times coefficients.
@@ -162,13 +134,13 @@ impl<'s> Importer<'s> {
             .ok_or("a uniformgrid needs a \"density\"")?;
         let (sigma_a, sigma_s) = self.coefficients(p)?;
         let scale = p.float_in("scale", 1.0, 0.0..=1e30) as f32;
-        let resolution = resolution(p);
-        self.warn_of_borders(p, resolution, 1, density);
         let medium = homogeneous(sigma_a, sigma_s);
-        self.of_density(p, resolution, density, &medium, scale)
+        // pbrt has nothing beyond a grid.
+        self.of_density(p, resolution(p), density, &medium, scale, Wrap::Zero)
     }
 
-    /// A medium whose extinction is `density` times that of `medium` and a factor.
+    /// A medium whose extinction is `density` times that of `medium` and a factor; `wrap` says what
+    /// lies beyond the voxels.
     pub fn of_density(
         &self,
         p: &Params<'_, 's>,
@@ -176,6 +148,7 @@ impl<'s> Importer<'s> {
         density: &[f32],
         medium: &Homogeneous,
         scale: f32,
+        wrap: Wrap,
     ) -> Result<Extinction, String> {
         let Rgb { x, y, z } = medium.extinction;
         let (channels, values) = match x == y && y == z {
@@ -185,7 +158,7 @@ impl<'s> Importer<'s> {
                 (3, colors.collect())
             }
         };
-        let grid = self.grid(p, resolution, channels, values)?;
+        let grid = self.grid(p, resolution, channels, values, wrap)?;
         let made = Heterogeneous::new(grid, scale, Albedo::Constant(medium.albedo));
         made.map(Extinction::from).map_err(|why| why.to_string())
     }
@@ -220,9 +193,8 @@ impl<'s> Importer<'s> {
         let albedo = sum.iter().zip(&scattered).map(share).collect();
         let scale = p.float_in("scale", 1.0, 0.0..=1e30) as f32;
         let resolution = resolution(p);
-        self.warn_of_borders(p, resolution, 3, &sum);
-        let density = self.grid(p, resolution, 3, sum)?;
-        let albedo = self.grid(p, resolution, 3, albedo)?;
+        let density = self.grid(p, resolution, 3, sum, Wrap::Zero)?;
+        let albedo = self.grid(p, resolution, 3, albedo, Wrap::Clamp)?;
         let made = Heterogeneous::new(density, scale, Albedo::Grid(albedo));
         made.map(Extinction::from).map_err(|why| why.to_string())
     }
