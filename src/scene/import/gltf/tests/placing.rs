@@ -72,6 +72,56 @@ fn a_crowd_stands_where_its_accessors_say() {
     assert_eq!((bounds.min, bounds.max.x), (Vec3::Z, 50_000.0));
 }
 
+/// (1, 1, 1), scaled by (2, 3, 4), turned by a quarter about z and moved by (1, 2, 3) is
+/// (-2, 4, 7); the node doubles that and moves it by (10, 0, 0).
+#[test]
+fn instances_are_scaled_turned_moved_and_then_placed_by_their_node() {
+    let mut file = File::triangle();
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    let translation = file.floats(&[[1.0, 2.0, 3.0], [0.0; 3]]);
+    let rotation = file.floats(&[[0.0, 0.0, half, half], [0.0, 0.0, 0.0, 1.0]]);
+    let scale = file.floats(&[[2.0, 3.0, 4.0], [1.0; 3]]);
+    file.json["nodes"][0] = json!({
+        "mesh": 0, "translation": [10, 0, 0], "scale": [2, 2, 2],
+        "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {
+            "TRANSLATION": translation, "ROTATION": rotation, "SCALE": scale, "_ID": translation,
+        }}},
+    });
+    let first = |parts: &Parts, point: DVec3| parts.instances[0].1.transform_point3(point);
+    let parts = file.load();
+    assert_eq!(parts.instances.len(), 2);
+    let found = first(&parts, DVec3::ONE);
+    assert!(
+        (found - DVec3::new(6.0, 8.0, 14.0)).length() < 1e-5,
+        "{found}"
+    );
+    let found = parts.instances[1].1.transform_point3(DVec3::ONE);
+    assert!(
+        (found - DVec3::new(12.0, 2.0, 2.0)).length() < 1e-5,
+        "{found}"
+    );
+    // Rotations may be whole numbers over 127: 90 / 127 is half a root of 2, but for 0.2 %.
+    let bytes = file.integers(5120, "SCALAR", &[0i8, 0, 90, 90, 0, 0, 0, 127]);
+    let accessor = &mut file.json["accessors"][bytes];
+    (accessor["type"], accessor["count"]) = ("VEC4".into(), 2.into());
+    accessor["normalized"] = true.into();
+    let instances = &mut file.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"];
+    instances["attributes"]["ROTATION"] = bytes.into();
+    let found = first(&file.load(), DVec3::ONE);
+    assert!(
+        (found - DVec3::new(6.0, 8.0, 14.0)).length() < 0.05,
+        "{found}"
+    );
+    // Lists of different lengths are refused.
+    let instances = &mut file.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"];
+    instances["attributes"]["SCALE"] = 0.into();
+    assert!(
+        file.error().contains("differ in number"),
+        "{}",
+        file.error()
+    );
+}
+
 #[test]
 fn cameras_look_along_minus_z_with_the_right_to_the_right() {
     let mut file = File::triangle();
