@@ -155,6 +155,13 @@ def cycles(path, out, spp):
             if node.type == 'TEX_IMAGE':
                 # Cycles blends neighbours before it makes bytes linear: edges of squares would be darker.
                 node.interpolation = 'Closest'
+    scene.render.resolution_x = scene.render.resolution_y = SIZE
+    return rendered(scene, out, spp)
+
+
+def rendered(scene, out, spp):
+    """RGBA of a scene in Blender, as it stands there."""
+    import bpy
     render, settings = scene.render, scene.cycles
     render.engine = 'CYCLES'
     settings.samples, settings.use_adaptive_sampling, settings.use_denoising = spp, False, False
@@ -163,27 +170,29 @@ def cycles(path, out, spp):
     settings.max_bounces = settings.diffuse_bounces = settings.glossy_bounces = settings.transmission_bounces = 11
     render.film_transparent = True
     render.threads_mode, render.threads = 'FIXED', 2
-    render.resolution_x = render.resolution_y = SIZE
     render.resolution_percentage = 100
     scene.view_settings.view_transform = 'Raw'
     render.image_settings.file_format, render.image_settings.color_depth = 'OPEN_EXR', '32'
     render.image_settings.color_mode = 'RGBA'
     render.filepath = out
     bpy.ops.render.render(write_still=True)
-    image = bpy.data.images.load(out)
+    return pixels(out)
+
+
+def pixels(path):
+    """RGBA of a file, from the top."""
+    import bpy
+    image = bpy.data.images.load(path, check_existing=False)
     image.colorspace_settings.name = 'Non-Color'
-    return np.array(image.pixels[:], np.float64).reshape(SIZE, SIZE, 4)[::-1]
+    return np.array(image.pixels[:], np.float64).reshape(image.size[1], image.size[0], 4)[::-1]
 
 
 def twintree(program, path, out, spp, hidden):
     """RGB under a white sky, which is black to the camera if `hidden`, and so is what emits."""
-    import bpy
     command = [program, 'render', path, '--width', str(SIZE), '--height', str(SIZE), '--spp', str(spp),
                '--rfilter', 'box', '--sky', 'white', '--quiet', '-o', out]
     subprocess.run(command + ['--hide-emitters'] * hidden, check=True)
-    image = bpy.data.images.load(out, check_existing=False)
-    image.colorspace_settings.name = 'Non-Color'
-    return np.array(image.pixels[:], np.float64).reshape(SIZE, SIZE, 4)[::-1, :, :3]
+    return pixels(out)[..., :3]
 
 
 def main():
@@ -229,4 +238,5 @@ def main():
     sys.exit(1 if bad else 0)
 
 
-main()
+if __name__ == '__main__':
+    main()
