@@ -8,7 +8,8 @@ Makes glTF files of a sphere (or a card) in the core materials, imports each int
 one sample pattern a pixel's box, through the file's own camera, and prints for each: the mean colour of the
 object's pixels in both, the largest difference of a channel relative to the brighter program's brightest
 channel, and how many pixels one program covers and the other does not. Files named on the command line are
-compared as well. Exits with 1 if a mean differs by more than 5 % or a silhouette differs.
+compared as well. Exits with 1 if a mean differs by more than 3 % or a silhouette differs, unless the manual tells why
+(`TOLD`): of those the difference must be there.
 
 Cycles is asked for single scattering of facets (its own default adds what glTF leaves open), for no clamping,
 and for no blur of reflections.
@@ -18,7 +19,9 @@ import numpy as np
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 SIZE = 64
-TOLERANCE = 0.05
+TOLERANCE = 0.03
+# Facets that Cycles makes of other widths than the specification.
+TOLD = {'anisotropy', 'anisotropy turned'}
 
 
 def sphere(rings=48, segments=96):
@@ -229,7 +232,7 @@ def main():
             missing = int((lit & (ours[..., :3].max(-1) <= 0)).sum())
             beyond = int(((ours[..., :3].max(-1) > 4 * ours[..., :3].max() / args.spp) & ~inside).sum())
             rows.append({'name': name, 'ours': a.tolist(), 'cycles': b.tolist(), 'difference': difference, 'missing': missing, 'beyond': beyond})
-            bad += difference > TOLERANCE or missing + beyond > 0
+            bad += missing + beyond > 0 or (difference > TOLERANCE) != (name in TOLD)
             text = ' '.join(f'{x:.4f}' for x in a), ' '.join(f'{x:.4f}' for x in b)
             print(f'| {name} | {text[0]} | {text[1]} | {100 * difference:.1f} % | {missing} | {beyond} |', flush=True)
     if args.json:
