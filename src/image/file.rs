@@ -30,7 +30,7 @@ impl ImageFile {
             return Err(error(foreign.to_string()));
         }
         let unreadable = |why| error(format!("the image cannot be read: {why}"));
-        promise::check_exr(path, meta.len()).map_err(unreadable)?;
+        promise::check(path, meta.len()).map_err(unreadable)?;
         let input = Input::open(path).map_err(unreadable)?;
         let header = input.header().map_err(unreadable)?;
         numbers(&header, meta.len()).map_err(unreadable)?;
@@ -138,7 +138,8 @@ impl ImageFile {
 
 /// Numbers in the whole image, once it is clear that a file of `file_bytes` can hold them.
 fn numbers(header: &Header, file_bytes: u64) -> Result<usize, String> {
-    promise::numbers(header.level, header.channels.len(), file_bytes)
+    let held = (file_bytes, header.format.as_str());
+    promise::numbers(header.level, header.channels.len(), held)
 }
 
 /// Reads the first part of an image file: all its channels as stored, converted to `f32`.

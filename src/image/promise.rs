@@ -5,10 +5,6 @@ use exr::meta::MetaData;
 use std::io::{BufRead, BufReader, Read, Seek};
 use std::path::Path;
 
-/// Most bytes of pixels that one byte of a file can stand for. Deflate reaches 1032, and the
-/// densest codec here (DWA, on a black image) about 64 times that: a header that promises more is
-/// lying.
-pub(super) const MOST_BYTES_FROM_ONE: u64 = 1 << 17;
 /// The largest image that is read, in bytes as `f32`.
 const MOST_BYTES: u64 = 1 << 36;
 /// Bytes of an OpenEXR file for each of its chunks, in the table of where they are.
@@ -16,22 +12,45 @@ const BYTES_OF_CHUNK: u64 = 8;
 
 /// First bytes of an OpenEXR file.
 pub(super) const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+/// First bytes of a PNG file.
+const PNG_MAGIC: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
+/// Bytes behind the content of a PNG file's chunk.
+const CHECKSUM: i64 = 4;
 /// Flag of files with several headers.
 const MULTIPART: u32 = 0x1000;
 /// Longest name in an OpenEXR file.
 const LONGEST_WORD: u64 = 255;
 
-/// Numbers in an image, once it is clear that a file of `file_bytes` can hold them.
+/// Most bytes of pixels, as `f32`, that one byte of a file can stand for: a header that promises
+/// more is lying. `format` is OpenImageIO's name.
+fn most_from_one(format: &str) -> u64 {
+    match format {
+        // A bit for a block of 8 x 8 numbers, of which 18 make 32 x 32 colours at most.
+        "jpeg" => 1366 * 4,
+        // Deflate's 1032, of bits that a palette makes four numbers of.
+        "png" => 1032 * 8 * 4 * 4,
+        // Deflate's, and the densest codec (DWA, on a black image) about 64 times that. Old runs
+        // of RGBE have no limit but the row.
+        _ => 1 << 17,
+    }
+}
+
+/// Numbers in an image, once it is clear that a file of `file_bytes` in a format of that name (by
+/// OpenImageIO) can hold them.
 ///
 /// # Errors
 /// When it cannot.
-pub fn numbers(level: Level, channels: usize, file_bytes: u64) -> Result<usize, String> {
+pub fn numbers(
+    level: Level,
+    channels: usize,
+    (file_bytes, format): (u64, &str),
+) -> Result<usize, String> {
     let promised = u64::from(level.width)
         .checked_mul(u64::from(level.height))
         .and_then(|n| n.checked_mul(channels as u64))
         .and_then(|n| n.checked_mul(4));
     match promised {
-        Some(bytes) if bytes <= MOST_BYTES && bytes / MOST_BYTES_FROM_ONE <= file_bytes + 1024 => {
+        Some(bytes) if bytes <= MOST_BYTES && bytes / most_from_one(format) <= file_bytes => {
             Ok((bytes / 4) as usize)
         }
         _ => Err(format!(
@@ -41,21 +60,23 @@ pub fn numbers(level: Level, channels: usize, file_bytes: u64) -> Result<usize, 
     }
 }
 
-/// Looks at an OpenEXR file before the library does, which takes memory for attributes, tables and
-/// rows as soon as it reads of them (the fuzzer found 500 bytes that took 1.7 GB). Files of other
-/// formats, and headers that make no sense otherwise, are left to the library.
+/// Looks at a file before the library does, which takes memory for attributes, tables, rows and
+/// texts as soon as it reads of them (the fuzzer found 500 bytes of OpenEXR and 300 of PNG that took
+/// 1.7 GB). Files of other formats, and headers that make no sense otherwise, are left to the library.
 ///
 /// # Errors
 /// When the file cannot hold what its headers promise.
-pub fn check_exr(path: &Path, file_bytes: u64) -> Result<(), String> {
-    let Ok(file) = super::regular::open(path) else {
+pub fn check(path: &Path, file_bytes: u64) -> Result<(), String> {
+    let open = || super::regular::open(path).map(BufReader::new);
+    let (Ok(mut exr), Ok(mut png)) = (open(), open()) else {
         return Ok(());
     };
-    if let Walk::Promises(size) = walk(&mut BufReader::new(file), file_bytes) {
+    if let Walk::Promises(size) = walk(&mut exr, file_bytes) {
         return Err(format!(
             "its header promises an attribute of {size} bytes, and the file has {file_bytes}"
         ));
     }
+    check_png(&mut png, file_bytes)?;
     let Ok(meta) = MetaData::read_from_file(path, false) else {
         return Ok(());
     };
@@ -66,13 +87,36 @@ pub fn check_exr(path: &Path, file_bytes: u64) -> Result<(), String> {
             width: side(size.width())?,
             height: side(size.height())?,
         };
-        numbers(level, header.channels.list.len(), file_bytes)?;
+        numbers(level, header.channels.list.len(), (file_bytes, "openexr"))?;
         let table = (header.chunk_count as u64).saturating_mul(BYTES_OF_CHUNK);
         if table > file_bytes {
             return Err(format!(
                 "its header promises {} chunks, and {file_bytes} bytes cannot even say where they are",
                 header.chunk_count
             ));
+        }
+    }
+    Ok(())
+}
+
+/// Goes over the chunks of a PNG file: length, name, content and checksum, behind the first bytes
+/// ("Portable Network Graphics", section 5.3). The image itself is read bit by bit.
+fn check_png(file: &mut (impl Read + Seek), file_bytes: u64) -> Result<(), String> {
+    let mut start = [0; 8];
+    if file.read_exact(&mut start).is_err() || start != PNG_MAGIC {
+        return Ok(());
+    }
+    let mut head = [0; 8];
+    while file.read_exact(&mut head).is_ok() {
+        let [a, b, c, d, name @ ..] = head;
+        let size = u32::from_be_bytes([a, b, c, d]);
+        if u64::from(size) > file_bytes && name != *b"IDAT" {
+            return Err(format!(
+                "a chunk of it promises {size} bytes, and the file has {file_bytes}"
+            ));
+        }
+        if file.seek_relative(i64::from(size) + CHECKSUM).is_err() {
+            break;
         }
     }
     Ok(())

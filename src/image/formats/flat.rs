@@ -42,17 +42,6 @@ impl Format {
         }
     }
 
-    /// Most bytes of numbers, as they are kept, that one byte of such a file can stand for. PNG:
-    /// deflate's 1032, of bits that a palette makes four bytes of. JPEG: a bit for a block of 8 x 8
-    /// numbers, of which 18 make 32 x 32 colours at most. Old runs of RGBE have no limit but the row.
-    fn most_from_one(self) -> u64 {
-        match self {
-            Self::Png => 1032 * 8 * 4,
-            Self::Jpeg => 1366,
-            Self::Radiance => promise::MOST_BYTES_FROM_ONE,
-        }
-    }
-
     fn shape(self, file: &mut BufReader<File>) -> Result<Shape, String> {
         match self {
             Self::Png => png_reader::shape(file),
@@ -90,12 +79,7 @@ impl Input {
         if width == 0 || height == 0 {
             return Err(format!("its header promises {width} x {height} pixels"));
         }
-        if shape.bytes() / format.most_from_one() > size {
-            return Err(format!(
-                "its header promises {width} x {height} pixels of {} channels, more than {size} bytes can hold",
-                shape.channels
-            ));
-        }
+        promise::numbers(shape.level, shape.channels, (size, format.name()))?;
         // OpenImageIO's names.
         let names: &[&str] = match shape.channels {
             1 => &["Y"],

@@ -25,18 +25,6 @@ impl Shape {
             .and_then(|n| n.checked_mul(self.channels))
             .ok_or_else(|| "the image is too large".into())
     }
-
-    /// Bytes of those, as they are kept.
-    pub fn bytes(&self) -> u64 {
-        let one = match self.pixel_type {
-            PixelType::U8 => 1,
-            PixelType::U16 | PixelType::Half => 2,
-            PixelType::Float => 4,
-        };
-        u64::from(self.level.width)
-            .saturating_mul(u64::from(self.level.height))
-            .saturating_mul(self.channels as u64 * one)
-    }
 }
 
 /// All numbers of an image, interleaved, rows from the top.

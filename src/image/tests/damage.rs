@@ -92,6 +92,25 @@ fn a_header_that_promises_too_much_is_refused_at_once() {
     assert!(before.elapsed().as_secs() < 5);
 }
 
+/// libpng takes the memory that a text's length promises before it reads of it.
+#[test]
+fn a_text_that_promises_too_much_is_refused_before_memory_is_taken() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.png");
+    let image = noise(8, 8, &["R", "G", "B"], 0.0, 1.0);
+    write(&path, &image, &WriteOptions::default()).unwrap();
+    let whole = std::fs::read(&path).unwrap();
+    let ahead = whole.windows(4).position(|w| w == b"IDAT").unwrap() - 4;
+    for size in [whole.len() as u32 + 100, i32::MAX as u32] {
+        let mut bytes = whole.clone();
+        let chunk = [&size.to_be_bytes()[..], b"tEXtAuthor\0nobody"].concat();
+        bytes.splice(ahead..ahead, chunk);
+        std::fs::write(&path, &bytes).unwrap();
+        let e = read(&path).unwrap_err();
+        assert!(e.reason.contains(&format!("promises {size} bytes")), "{e}");
+    }
+}
+
 #[test]
 fn a_failed_write_leaves_the_old_file_and_no_other() {
     let dir = tempfile::tempdir().unwrap();
