@@ -31,14 +31,29 @@ fn corpus(folder: &str) -> Vec<(PathBuf, Vec<u8>)> {
 /// Tries `rounds` mutations of every file of a folder; some must be accepted, or only the first
 /// check of a reader would have been tested.
 fn attack(folder: &str, rounds: u64, accepted_at_least: usize, target: impl Fn(Vec<u8>) -> bool) {
+    attack_by_ending(folder, rounds, accepted_at_least, |input, _| target(input));
+}
+
+/// The same of readers that choose by how the file's name ends.
+fn attack_by_ending(
+    folder: &str,
+    rounds: u64,
+    accepted_at_least: usize,
+    target: impl Fn(Vec<u8>, &str) -> bool,
+) {
     for (stream, (path, seed)) in corpus(folder).into_iter().enumerate() {
-        assert!(target(seed.clone()), "{} itself is refused", path.display());
+        let ending = path
+            .extension()
+            .and_then(|e| e.to_str())
+            .unwrap_or_default();
+        let seed_is_taken = target(seed.clone(), ending);
+        assert!(seed_is_taken, "{} itself is refused", path.display());
         let mut rng = Pcg32::new(7, stream as u64);
         let mut accepted = 0;
         for round in 0..rounds {
             let input = mutated(&seed, &mut rng);
             let guard = Reproduce::new(folder, &path, round, &input);
-            accepted += usize::from(target(input));
+            accepted += usize::from(target(input, ending));
             guard.survived();
         }
         println!(
@@ -76,6 +91,11 @@ fn models() {
 }
 
 #[test]
+fn materials_of_models() {
+    attack("mtl", 2000, 100, |input| targets::mtl(&input));
+}
+
+#[test]
 fn scenes() {
     attack("xml", 300, 1, |input| targets::xml(&input));
 }
@@ -94,7 +114,14 @@ fn fields() {
 
 #[test]
 fn images() {
-    attack("image", 400, 1, |input| targets::image(&input, "exr"));
+    attack("image", 2000, 1, |input| targets::image(&input, "exr"));
+}
+
+#[test]
+fn pictures() {
+    attack_by_ending("picture", 2000, 100, |input, ending| {
+        targets::image(&input, ending)
+    });
 }
 
 #[test]

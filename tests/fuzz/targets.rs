@@ -17,8 +17,10 @@ use twintree::integrate::progress::{Limits, Observer, Progress};
 use twintree::integrate::render::render;
 use twintree::integrate::{GuidedSettings, PathSettings};
 use twintree::math::{Rgb, Vec2, Vec3};
+use twintree::scene::import::default_scene::Studio;
 use twintree::scene::import::gltf::{self, GltfOptions, Show};
 use twintree::scene::import::mesh::{MeshKind, MeshOptions, read};
+use twintree::scene::import::models::{self, ModelOptions, ModelSource};
 use twintree::scene::import::parts::Parts;
 use twintree::scene::import::{ImportError, ImportOptions, mitsuba, pbrt};
 use twintree::scene::{Description, Mesh, Scene};
@@ -109,6 +111,53 @@ fn thumbnail(mut description: Description) {
         let mean = film.pixel(x, y).mean();
         assert!(mean.iter().all(|m| m.is_finite()), "{mean:?}");
     }
+}
+
+/// A model of four materials, with texture coordinates.
+const OBJ: &str = "mtllib all.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\n\
+    usemtl a\nf 1/1 2/2 3/3\nusemtl b\nf 1/1 3/3 4/2\nusemtl c d\nf 1/1 2/2 4/3\n\
+    usemtl glass\nf 2/1 3/2 4/3\n";
+
+/// Loads a model with that file of materials, beside an image, and renders a thumbnail of it. What
+/// is wrong with materials is a warning, a line each, but for images that are not there. Whether all
+/// materials are there.
+pub fn mtl(text: &[u8]) -> bool {
+    let directory = tempfile::tempdir().expect("a directory");
+    let path = directory.path().join("model.obj");
+    let ramp = include_bytes!("corpus/picture/ramp.png");
+    for (name, bytes) in [
+        ("model.obj", OBJ.as_bytes()),
+        ("all.mtl", text),
+        ("ramp.png", ramp),
+    ] {
+        std::fs::write(directory.path().join(name), bytes).expect("the file is written");
+    }
+    let options = ImportOptions::new(Arc::new(TextureStore::new(1 << 20)));
+    let how = ModelOptions {
+        material: None,
+        z_up: false,
+        show: Show::default(),
+    };
+    let source = [ModelSource::new(&path)];
+    let parts = models::load(&source, &how, &options, Parts::default());
+    let parts = match parts {
+        Ok(parts) => parts,
+        Err(error) => {
+            worded(&error, "all.mtl");
+            return false;
+        }
+    };
+    for warning in &*parts.warnings {
+        assert!(warning.len() < 4000 + path.as_os_str().len(), "{warning}");
+    }
+    let missing = |warning: &String| warning.contains("there is no material");
+    let whole = !parts.warnings.iter().any(missing);
+    thumbnail(
+        Studio::default()
+            .compose(parts)
+            .expect("there is something to see"),
+    );
+    whole
 }
 
 /// Loads a glTF file at a moment of its animation, in a variant and without. Whether it could be
