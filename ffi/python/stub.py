@@ -149,6 +149,9 @@ class Field:
     def stats(self) -> dict[str, Any]:
         """What is in it: the keys of `twintree field --json`."""
     @property
+    def interrupted(self) -> bool:
+        """Whether Ctrl-C has ended its training before all records had taught."""
+    @property
     def bounds(self) -> tuple[list[float], list[float]]:
         """Lower and upper corner of what it covers, in the scene's units."""
     def sample(
@@ -237,7 +240,7 @@ class Scene:
         progress: Any = None,
         # train: arguments
     ) -> Field:
-        """Learns where light comes from.
+        """Learns where light comes from. Ctrl-C ends it with what has been learned.
 
             field: learn further over the structure of this one
             # train: said

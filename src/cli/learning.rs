@@ -8,10 +8,10 @@ use crate::guide::ppg::Target;
 use crate::integrate::View;
 use crate::integrate::guiding::{Guidance, Guide};
 use crate::integrate::manifold::{ManifoldSampling, find_chains};
-use crate::integrate::progress::{Limits, Spent};
+use crate::integrate::progress::{Limits, Spent, Stop};
 use crate::integrate::training::extend::{check_scene, to_guide};
 use crate::integrate::training::mixtures::{self, LearnedMixtures, learn_mixtures};
-use crate::integrate::training::{LearnSettings, Learned, Learner, learn};
+use crate::integrate::training::{LearnSettings, Learned, Learner, learn_until};
 use crate::integrate::training::{prospect, trial};
 use crate::photon::PhotonCounts;
 use crate::photon::schedule::Budget;
@@ -349,19 +349,19 @@ fn describe_manifold(manifold: Option<&ManifoldSampling>) {
     }
 }
 
-/// Learns a field and says what came of it.
+/// Learns a field, until it is stopped, and says what came of it.
 ///
 /// # Errors
 /// When there is nothing to learn from.
-pub fn teach(args: &LearnArgs, view: &View) -> Result<Learned, Failure> {
+pub fn teach(args: &LearnArgs, view: &View, stop: Stop) -> Result<Learned, Failure> {
     let photons = settings::photons_alone(args);
     let settings = settings::learn_settings(args, view.settings, photons)?;
-    let learned = learn(view, &settings)?;
+    let learned = learn_until(view, &settings, stop)?;
     tracing::info!(
         "learned from {} photons ({} landings) and {} camera paths in {}: {} links in {} cells, {}",
         words::count(learned.counts.emitted as f64),
         words::count(learned.counts.landings as f64),
-        words::count(settings.paths as f64),
+        words::count(learned.paths as f64),
         words::time(learned.elapsed.as_secs_f64()),
         words::count(learned.stats.links as f64),
         words::count(learned.stats.space_cells as f64),

@@ -52,12 +52,23 @@ pub enum Guides {
 #[pyclass(frozen, module = "twintree")]
 pub struct Field {
     shared: Arc<Shared>,
+    /// Whether Ctrl-C has ended its training before all records had taught.
+    #[pyo3(get)]
+    interrupted: bool,
 }
 
 impl Field {
     /// A field of sums.
     pub fn of(file: FieldFile) -> Self {
         Self::named(file, Path::new("a twintree.Field"))
+    }
+
+    /// The same, of training that Ctrl-C may have ended.
+    pub fn learned(file: FieldFile, interrupted: bool) -> Self {
+        Self {
+            interrupted,
+            ..Self::of(file)
+        }
     }
 
     fn named(file: FieldFile, name: &Path) -> Self {
@@ -68,7 +79,13 @@ impl Field {
                 frozen,
                 name: name.into(),
             }),
+            interrupted: false,
         }
+    }
+
+    /// Whether Ctrl-C has ended its training.
+    pub fn is_interrupted(&self) -> bool {
+        self.interrupted
     }
 
     /// For a render on other threads.

@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::ffi::OsString;
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 use twintree::cli::args::Command;
 use twintree::cli::error_track::ErrorTrack;
@@ -25,6 +25,7 @@ use twintree::cli::scene_args::SceneArgs;
 use twintree::cli::train::{TrainArgs, records};
 use twintree::cli::{denoising, finish, memory, settings, train};
 use twintree::film::{Film, Metadata};
+use twintree::guide::FieldFile;
 use twintree::image::Image;
 use twintree::image::denoise::{DenoiseError, denoised};
 use twintree::integrate::progress::{Spent, StoppedBy};
@@ -215,14 +216,10 @@ impl Scene {
         let (outcome, raised) =
             work::watched(py, threads, &watcher.stop, &mut shown, || work.run())?;
         drop(shown);
-        match (outcome, raised) {
-            (Ok(picture), None) => Render::new(py, picture),
-            (Ok(picture), Some(e)) if picture.interrupted && is_interrupt(py, &e) => {
-                Render::new(py, picture)
-            }
-            (_, Some(e)) => Err(e),
-            (Err(fault), None) => Err(fault.into()),
-        }
+        Render::new(
+            py,
+            kept(py, outcome, raised, |picture| picture.interrupted)?,
+        )
     }
 
     /// Learns where light comes from, as `twintree train` does; keywords are its options:
@@ -230,7 +227,8 @@ impl Scene {
     /// `Field` of this scene, learns further over its structure. `threads` and `progress` are those
     /// of `render`.
     ///
-    /// Learning cannot be ended early: `KeyboardInterrupt` is raised after it.
+    /// Ctrl-C ends learning: the field is returned as it is by then, with `interrupted` set; before
+    /// the first records have taught, `KeyboardInterrupt` is raised.
     #[pyo3(signature = (*, field = None, threads = None, progress = None, **settings))]
     fn train(
         &self,
@@ -265,17 +263,33 @@ impl Scene {
         };
         let watcher = Watcher::new(Some(records(&args)));
         let mut shown = Shown::begin(py, &watcher, progress)?;
-        let work = || learned(self, &args, base.as_ref());
+        let work = || learned(self, &args, base.as_ref(), &watcher);
         let (outcome, raised) = work::watched(py, threads, &watcher.stop, &mut shown, work)?;
         drop(shown);
-        match raised {
-            Some(e) => Err(e),
-            None => Ok(outcome?),
-        }
+        kept(py, outcome, raised, Field::is_interrupted)
     }
 }
 
-fn learned(scene: &Scene, args: &TrainArgs, base: Option<&Opened>) -> Result<Field, Fault> {
+/// What came of work, though Ctrl-C has ended it; nothing where anything else was raised meanwhile.
+fn kept<T>(
+    py: Python<'_>,
+    outcome: Result<T, Fault>,
+    raised: Option<PyErr>,
+    is_interrupted: impl Fn(&T) -> bool,
+) -> PyResult<T> {
+    match (outcome, raised) {
+        (Ok(kept), Some(e)) if is_interrupted(&kept) && is_interrupt(py, &e) => Ok(kept),
+        (_, Some(e)) => Err(e),
+        (outcome, None) => Ok(outcome?),
+    }
+}
+
+fn learned(
+    scene: &Scene,
+    args: &TrainArgs,
+    base: Option<&Opened>,
+    watcher: &Watcher,
+) -> Result<Field, Fault> {
     let ready = scene.ready(plain(args.size), &args.rays)?;
     let mut loaded = Loaded::clone(&ready.loaded);
     settings::resize(&mut loaded.description.film, args.size);
@@ -284,7 +298,22 @@ fn learned(scene: &Scene, args: &TrainArgs, base: Option<&Opened>) -> Result<Fie
         base.check(fingerprint)?;
     }
     let of = (&*ready.scene, &loaded.description);
-    Ok(Field::of(train::learn(args, of, base, fingerprint)?))
+    // A request that comes when all is learned ends nothing.
+    let stopped = AtomicBool::new(false);
+    let stop = || {
+        let stops = watcher.stops();
+        stopped.fetch_or(stops, Ordering::Relaxed);
+        stops
+    };
+    let file = train::learn(args, of, base, fingerprint, &stop)?;
+    let stopped = stopped.into_inner();
+    let records = |f: &FieldFile| f.sample_ranges.photons.count() + f.sample_ranges.paths.count();
+    // A share begins with nothing, whatever its base knows.
+    let before = base.filter(|_| args.shard.is_none());
+    if stopped && records(&file) == before.map_or(0, |b| records(&b.file)) {
+        return Err(finish::nothing_done(true).into());
+    }
+    Ok(Field::learned(file, stopped))
 }
 
 /// The words of a render's keyword arguments, those of files and of the scene refused.

@@ -74,6 +74,9 @@ class Field:
     def stats(self) -> dict[str, Any]:
         """What is in it: the keys of `twintree field --json`."""
     @property
+    def interrupted(self) -> bool:
+        """Whether Ctrl-C has ended its training before all records had taught."""
+    @property
     def bounds(self) -> tuple[list[float], list[float]]:
         """Lower and upper corner of what it covers, in the scene's units."""
     def sample(
@@ -309,7 +312,7 @@ class Scene:
         accel: Optional[Literal['embree', 'embree:robust', 'obvhs']] = None,
         accel_build: Optional[Literal['fast', 'balanced', 'compact', 'high']] = None,
     ) -> Field:
-        """Learns where light comes from.
+        """Learns where light comes from. Ctrl-C ends it with what has been learned.
 
             field: learn further over the structure of this one
             shard: Learn from a share of these records, 0/4 to 3/4, into a field for "twintree merge-fields"
