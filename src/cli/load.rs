@@ -17,7 +17,7 @@ use crate::scene::import::default_scene::{Aperture, Sky, Studio};
 use crate::scene::import::gltf::Show;
 use crate::scene::import::models::{self, ModelKind, ModelOptions, ModelSource};
 use crate::scene::import::parts::Parts;
-use crate::scene::import::{ImportOptions, mitsuba, pbrt};
+use crate::scene::import::{ImportOptions, OpenTexture, mitsuba, pbrt};
 use crate::scene::precautions::watertight_edges;
 use crate::scene::spare::{self, Trimmed};
 use crate::scene::{Description, Scene, lights_of};
@@ -39,6 +39,11 @@ pub struct Loaded {
 }
 
 impl Loaded {
+    /// Where its textures are opened, and what is added to it opens more.
+    pub fn store(&self) -> &TextureStore {
+        &self.textures
+    }
+
     /// Images that textures were made of, and the memory of their texels at this moment.
     pub fn textures(&self) -> TextureTotals {
         TextureTotals {
@@ -256,21 +261,26 @@ fn check_no_defines(args: &SceneArgs) -> Result<(), Failure> {
 /// # Errors
 /// When the scene, or a file that it names, cannot be used.
 pub fn load(args: &SceneArgs, input: &Input, picture: Option<Picture>) -> Result<Loaded, Failure> {
-    load_in(args, input, (&args.studio, Parts::default()), picture)
+    load_in(args, input, (&args.studio, NOTHING), picture)
 }
 
-/// Reads models beside `parts`, which are made elsewhere: the camera frames all of them. A scene
-/// takes none.
+/// Adds what is made elsewhere to the parts of a scene. Its textures are opened in the store.
+pub type Beside<'a> = &'a dyn Fn(&mut Parts, &dyn OpenTexture) -> Result<(), Failure>;
+
+const NOTHING: Beside = &|_, _| Ok(());
+
+/// Reads models beside parts that are made elsewhere: the camera frames all of them. A scene takes
+/// none.
 ///
 /// # Errors
 /// As [`load`].
 pub fn load_beside(
-    parts: Parts,
+    beside: Beside,
     args: &SceneArgs,
     input: &Input,
     picture: Picture,
 ) -> Result<Loaded, Failure> {
-    load_in(args, input, (&args.studio, parts), Some(picture))
+    load_in(args, input, (&args.studio, beside), Some(picture))
 }
 
 /// Reads a scene, or models without the light of a studio, which would stand among what is
@@ -283,13 +293,13 @@ pub fn load_unlit(args: &SceneArgs, input: &Input) -> Result<Loaded, Failure> {
         sky: args.studio.sky.clone().or(Some(Sky::None)),
         ..args.studio.clone()
     };
-    load_in(args, input, (&studio, Parts::default()), None)
+    load_in(args, input, (&studio, NOTHING), None)
 }
 
 fn load_in(
     args: &SceneArgs,
     input: &Input,
-    around: (&StudioArgs, Parts),
+    around: (&StudioArgs, Beside),
     picture: Option<Picture>,
 ) -> Result<Loaded, Failure> {
     let decode = DecodeLimit {
@@ -370,7 +380,7 @@ fn advise_on_textures(textures: &TextureStore) -> usize {
 
 fn load_models(
     sources: &[ModelSource],
-    (args, parts): (&StudioArgs, Parts),
+    (args, beside): (&StudioArgs, Beside),
     options: &ImportOptions,
     picture: Option<Picture>,
 ) -> Result<Description, Failure> {
@@ -417,6 +427,8 @@ fn load_models(
         }
     }
     budget::check_files(sources)?;
+    let mut parts = Parts::default();
+    beside(&mut parts, &*options.textures)?;
     let parts = models::load(sources, &settings, options, parts)?;
     let description = studio.compose(parts)?;
     let exposure = description.film.exposure;

@@ -1,12 +1,13 @@
 //! Scenes: from files, from arrays, or from both.
 
-use crate::additions::{self, Addition};
+use crate::additions::{self, Addition, OfVertices};
 use crate::failure::Fault;
 use crate::words::{self, words};
 use crate::work;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use std::ffi::OsString;
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 use twintree::cli::args::Command;
@@ -16,6 +17,8 @@ use twintree::cli::prepared::Times;
 use twintree::cli::ray_args::RayArgs;
 use twintree::cli::scene_args::SceneArgs;
 use twintree::report::totals::triangles;
+use twintree::scene::import::OpenTexture;
+use twintree::scene::import::parts::Parts;
 
 /// Options of the command line that say how files are read: of a scene file, all other keywords are
 /// values for its `$names`.
@@ -107,8 +110,10 @@ impl State {
     /// The scene as data, for a picture.
     fn loaded(&mut self, picture: Picture) -> Result<Loaded, Fault> {
         if let Input::Models(_) = &*self.input {
-            let parts = additions::parts_of(&self.additions);
-            return Ok(load_beside(parts, &self.args, &self.input, picture)?);
+            let beside = |parts: &mut Parts, textures: &dyn OpenTexture| {
+                additions::add_all(&self.additions, parts, textures)
+            };
+            return Ok(load_beside(&beside, &self.args, &self.input, picture)?);
         }
         let known = self
             .base
@@ -122,7 +127,7 @@ impl State {
                 base
             }
         };
-        additions::add_to(&mut loaded.description, &self.additions);
+        additions::add_to(&mut loaded, &self.additions)?;
         Ok(loaded)
     }
 
@@ -252,10 +257,13 @@ impl Scene {
 
     /// Adds a mesh: `vertices` (N, 3), in the scene's units; `faces` (M, 3), numbers of vertices,
     /// the front counter-clockwise; `normals` (N, 3) or none; `material` as on the command line
-    /// ("clay", "gold", "plastic:0.8,0.1,0.1"); `emission`, radiance in W m^-2 sr^-1, a number or
-    /// red, green, blue, makes it a lamp that shines from its front; `smooth` computes normals
-    /// where none are given. Returns what was repaired, in words.
-    #[pyo3(signature = (vertices, faces, *, material = "clay", normals = None, emission = None, name = None, smooth = false))]
+    /// ("clay", "gold", "plastic:0.8,0.1,0.1"); `texture`, the name of an image file, is the colour
+    /// of a material that names none ("clay", "matte", "plastic", "metal"), and `uvs` (N, 2) say
+    /// where it lies: (0, 0) is its lower left corner, (1, 1) its upper right one, and beyond it
+    /// repeats; `emission`, radiance in W m^-2 sr^-1, a number or red, green, blue, makes it a lamp
+    /// that shines from its front; `smooth` computes normals where none are given. Returns what was
+    /// repaired, in words.
+    #[pyo3(signature = (vertices, faces, *, material = "clay", texture = None, uvs = None, normals = None, emission = None, name = None, smooth = false))]
     #[allow(clippy::too_many_arguments)]
     fn add_mesh(
         &self,
@@ -263,24 +271,33 @@ impl Scene {
         vertices: &Bound<'_, PyAny>,
         faces: &Bound<'_, PyAny>,
         material: &str,
+        texture: Option<PathBuf>,
+        uvs: Option<&Bound<'_, PyAny>>,
         normals: Option<&Bound<'_, PyAny>>,
         emission: Option<&Bound<'_, PyAny>>,
         name: Option<String>,
         smooth: bool,
     ) -> PyResult<Vec<String>> {
-        let paint = material
-            .parse()
-            .map_err(|e| Fault::Value(format!("material: {e}")))?;
+        let paint = additions::paint(material, texture.as_deref(), uvs.is_some())?;
         let emission = emission
             .map(|e| additions::color("emission", e))
             .transpose()?;
-        let (mesh, warnings) = additions::mesh(vertices, faces, normals, smooth)?;
+        let (mesh, warnings) = additions::mesh(
+            &OfVertices {
+                positions: vertices,
+                normals,
+                uvs,
+            },
+            faces,
+            smooth,
+        )?;
         self.change(py, |state| {
             let number = state.additions.len();
             state.additions.push(Addition::Mesh {
                 name: name.unwrap_or_else(|| format!("mesh {number}")),
                 mesh,
                 paint,
+                image: texture,
                 emission,
             });
         });

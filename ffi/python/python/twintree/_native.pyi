@@ -171,12 +171,15 @@ class Scene:
         faces: Numbers,
         *,
         material: str = "clay",
+        texture: Optional[Path] = None,
+        uvs: Optional[Numbers] = None,
         normals: Optional[Numbers] = None,
         emission: Optional[Numbers] = None,
         name: Optional[str] = None,
         smooth: bool = False,
     ) -> list[str]:
-        """Adds a mesh of `vertices` (N, 3) and `faces` (M, 3); returns what was repaired, in words."""
+        """Adds a mesh of `vertices` (N, 3) and `faces` (M, 3), with `normals` (N, 3) and `uvs` (N, 2), which say
+        where the image `texture` lies; returns what was repaired, in words."""
     def add_light(self, kind: Literal["point", "spot", "directional", "constant"], **settings: Numbers) -> None:
         """Adds a lamp without a body: point (position, intensity), spot (position, target, intensity, cutoff,
         beam), directional (direction, irradiance), constant (radiance)."""
