@@ -32,7 +32,7 @@ enter_pip() {
 # usage: install_for_python RELEASE IMAGE
 install_for_python() {
     local release=$1 image=$2 picture=$2/src/twintree/picture.png
-    if [ "$release" = "$(. /etc/os-release && echo "${VERSION_CODENAME:-}")" ]; then
+    if left_to_host "$release" python; then
         say "$release: the package for Python is tested on the host, which is the same Debian (ffi/python/ci)"
         return
     fi
