@@ -47,7 +47,7 @@ fetch_crates() {
     crates=
     command -v cargo >/dev/null || return 0
     say "cargo fetch"
-    (cd "$checkout" && cargo fetch --locked && cargo fetch --locked --manifest-path ffi/python/Cargo.toml)
+    (cd "$checkout" && cargo fetch --locked)
     crates=${CARGO_HOME:-$HOME/.cargo}/registry
 }
 

@@ -25,8 +25,7 @@ enter_pip() {
     # takes minutes, and what is tested is not speed.
     local little="--config profile.release.package.twintree.opt-level=0"
     little+=" --config profile.release.package.twintree-python.opt-level=0"
-    enter "$image" env "${variables[@]}" CARGO_TARGET_DIR=/src/twintree/target "MATURIN_PEP517_ARGS=$little" \
-        /opt/venv/bin/pip "$@"
+    enter "$image" env "${variables[@]}" "MATURIN_PEP517_ARGS=$little" /opt/venv/bin/pip "$@"
 }
 
 # usage: install_for_python RELEASE IMAGE
