@@ -1,6 +1,7 @@
 //! From the command line's scene to a description, for every subcommand alike.
 
 use super::aov::{self, Aov};
+use super::input::{Input, check_no_defines};
 use super::picture_args::SizeArgs;
 use super::ray_args::{AccelBuild, RayArgs};
 use super::render_args::RenderArgs;
@@ -15,14 +16,14 @@ use crate::report::words;
 use crate::scene::fingerprint::{fingerprint, world_fingerprint};
 use crate::scene::import::default_scene::{Aperture, Sky, Studio};
 use crate::scene::import::gltf::Show;
-use crate::scene::import::models::{self, ModelKind, ModelOptions, ModelSource};
+use crate::scene::import::models::{self, ModelOptions, ModelSource};
 use crate::scene::import::parts::Parts;
 use crate::scene::import::{ImportOptions, OpenTexture, mitsuba, pbrt};
 use crate::scene::precautions::watertight_edges;
 use crate::scene::spare::{self, Trimmed};
 use crate::scene::{Description, Scene, lights_of};
 use crate::texture::TextureStore;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -155,104 +156,6 @@ impl Picture {
             size: args.picture.size,
             tells_uvs: aov::has(&args.files.aov, Aov::Uv),
         }
-    }
-}
-
-/// What the words of the command line name.
-#[derive(Debug)]
-pub enum Input {
-    /// A scene file.
-    Scene(PathBuf),
-    /// Models.
-    Models(Vec<ModelSource>),
-}
-
-impl Input {
-    /// Decides what is to be loaded.
-    ///
-    /// # Errors
-    /// When scenes and models are mixed, options do not go with what is named, or the steps behind
-    /// a model make no sense.
-    pub fn of(args: &SceneArgs) -> Result<Self, Failure> {
-        let mut sources = Vec::new();
-        for word in &args.files {
-            // A name that is no text has no steps behind it.
-            let source = match word.to_str() {
-                Some(text) => text.parse().map_err(|e| {
-                    Failure::wrong(
-                        format!("{text}: {e}"),
-                        "steps are as in a.ply@translate=1,0,0;scale=2",
-                    )
-                })?,
-                None => ModelSource::new(PathBuf::from(word)),
-            };
-            sources.push(source);
-        }
-        let is_model = |s: &ModelSource| ModelKind::from_path(&s.path).is_some();
-        match (args.files.as_slice(), sources.as_slice()) {
-            ([scene], [source]) if !is_model(source) => {
-                check_no_studio(&args.studio, Path::new(scene))?;
-                Ok(Self::Scene(scene.into()))
-            }
-            _ => {
-                check_no_defines(args)?;
-                Ok(Self::Models(sources))
-            }
-        }
-    }
-
-    /// The files that are named.
-    pub fn paths(&self) -> Vec<&Path> {
-        match self {
-            Self::Scene(path) => vec![path],
-            Self::Models(sources) => sources.iter().map(|s| s.path.as_path()).collect(),
-        }
-    }
-
-    /// The file that outputs are named after.
-    pub fn first_path(&self) -> &Path {
-        match self {
-            Self::Scene(path) => path,
-            Self::Models(sources) => sources.first().map_or(Path::new(""), |s| &s.path),
-        }
-    }
-}
-
-/// A scene has its own camera and light.
-fn check_no_studio(args: &StudioArgs, scene: &Path) -> Result<(), Failure> {
-    let options = [
-        ("--camera", args.camera.is_some()),
-        ("--look-at", args.look_at.is_some()),
-        ("--fov", args.fov.is_some()),
-        ("--projection", args.projection.is_some()),
-        ("--aperture", args.aperture.is_some()),
-        ("--sky", args.sky.is_some()),
-        ("--envmap", args.envmap.is_some()),
-        ("--ground", args.ground.is_some()),
-        ("--material", args.material.is_some()),
-        ("--variant", args.variant.is_some()),
-        ("--at", args.at.is_some()),
-        ("--up", args.up != UpAxis::Y),
-    ];
-    let Some((name, _)) = options.iter().find(|o| o.1) else {
-        return Ok(());
-    };
-    Err(Failure::wrong(
-        format!("{name} is for models, and {} is a scene", scene.display()),
-        "models end with .ply .obj .stl .gltf .glb; in a scene, the camera and the lights are its own",
-    ))
-}
-
-fn check_no_defines(args: &SceneArgs) -> Result<(), Failure> {
-    match args.read.define.first() {
-        None => Ok(()),
-        Some(first) => Err(Failure::wrong(
-            format!(
-                "-D {}: only Mitsuba's scenes have keys to define",
-                first.name
-            ),
-            "-D goes with a scene (.xml)",
-        )),
     }
 }
 

@@ -1,15 +1,15 @@
 //! `twintree train`: from a scene to a field file.
 
 use super::console::Console;
+use super::field_file::{self, Opened};
 use super::guide_args::{LearnArgs, Teachers};
-use super::learning::{self, Opened};
+use super::input::Input;
 use super::light_args::LightArgs;
-use super::load::Input;
 use super::picture_args::SizeArgs;
 use super::ray_args::RayArgs;
 use super::scene_args::SceneArgs;
 use super::waiting::Waiting;
-use super::{Failure, load, output, part_args, settings, targets};
+use super::{Failure, learning, load, output, part_args, settings, targets};
 use crate::camera::Camera;
 use crate::film::Shard;
 use crate::guide::FieldFile;
@@ -84,7 +84,7 @@ pub fn run(args: &TrainArgs, console: &Console) -> Result<(), Failure> {
         &|| false,
     )?;
     drop(waiting);
-    learning::write(&target, &file)
+    field_file::write(&target, &file)
 }
 
 /// Learns the field of a scene with this fingerprint, or further over the structure of `base`. The

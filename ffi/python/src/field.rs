@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use twintree::cli::learning::{self, Opened};
+use twintree::cli::field_file::{self, Opened};
 use twintree::guide::FieldFile;
 use twintree::math::{Pcg32, Rgb, Vec2, Vec3};
 use twintree::report::field::FieldReport;
@@ -162,7 +162,9 @@ impl Field {
     /// Writes the field, whole or not at all. Raises `RuntimeError` where that cannot be done.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let shared = self.shared.clone();
-        work::run(py, None, move || Ok(learning::write(&path, &shared.file)?))
+        work::run(py, None, move || {
+            Ok(field_file::write(&path, &shared.file)?)
+        })
     }
 
     /// What is in it: the keys of `twintree field --json`.

@@ -4,7 +4,8 @@ use crate::failure::Fault;
 use crate::field::{Field, Guides};
 use crate::picture::{Picture, Render};
 use crate::progress::{Shown, Watcher};
-use crate::scene::{Scene, plain};
+use crate::scene::Scene;
+use crate::state::plain;
 use crate::words::{self, refuse, words};
 use crate::work;
 use pyo3::prelude::*;
@@ -15,9 +16,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 use twintree::cli::args::Command;
 use twintree::cli::error_track::ErrorTrack;
+use twintree::cli::field_file::{self, Opened};
 use twintree::cli::help::options_of;
 use twintree::cli::invalid::{self, LeftOut};
-use twintree::cli::learning::{self, Opened};
 use twintree::cli::load::{self, Loaded};
 use twintree::cli::prepared::{Prepared, Times};
 use twintree::cli::render_args::RenderArgs;
@@ -202,7 +203,7 @@ impl Scene {
         let Command::Render(args) = words::read("render", &files, &keywords)? else {
             return Err(Fault::Runtime("another command was read".into()).into());
         };
-        learning::check_way(&args.guide).map_err(Fault::from)?;
+        field_file::check_way(&args.guide).map_err(Fault::from)?;
         check_threads(threads)?;
         let watcher = Watcher::new(None);
         let work = Work {
@@ -340,7 +341,7 @@ fn keywords_of(
 fn opened(guides: Option<Guides>, args: &RenderArgs) -> Result<Option<Opened>, Fault> {
     match guides {
         Some(Guides::Field(field)) => Ok(Some(field.opened(true))),
-        Some(Guides::File) => Ok(learning::wanted_file(&args.guide)?),
+        Some(Guides::File) => Ok(field_file::wanted_file(&args.guide)?),
         None => Ok(None),
     }
 }
