@@ -1,7 +1,7 @@
 """The compiled part of twintree. Made by stub.py: change that."""
 
 import os
-from typing import Any, Literal, Mapping, Optional, Sequence, TypedDict, Union
+from typing import Any, Literal, Optional, Sequence, TypedDict, Union, final
 
 import numpy as np
 import numpy.typing as npt
@@ -31,6 +31,7 @@ class Option(TypedDict):
     values: list[str]
     default: Optional[str]
 
+@final
 class Render:
     """What came of a render: `render["image"]` is the picture, (H, W, 3) float32, linear sRGB, rows from the top."""
 
@@ -43,8 +44,8 @@ class Render:
     @property
     def interrupted(self) -> bool:
         """Whether Ctrl-C has ended it before its limit."""
-    def __getitem__(self, name: str) -> Floats: ...
-    def __contains__(self, name: str) -> bool: ...
+    def __getitem__(self, name: str, /) -> Floats: ...
+    def __contains__(self, name: str, /) -> bool: ...
     def save(
         self,
         path: Path,
@@ -62,6 +63,7 @@ class Render:
             view: How .png and .jpg show light, which has no upper limit as they have [default: srgb]
         """
 
+@final
 class Field:
     """A learned field of where light comes from."""
 
@@ -109,11 +111,12 @@ class Field:
     ) -> Floats:
         """Light that arrives at `positions` (N, 3), W/m^2: (N, 3)."""
 
+@final
 class Scene:
     """A scene: shapes, materials, lights and a camera. Empty until meshes and lights are added."""
 
-    def __init__(
-        self,
+    def __new__(
+        cls,
         *,
         camera: Optional[Union[Sequence[float], str]] = None,
         look_at: Optional[Union[Sequence[float], str]] = None,
@@ -131,7 +134,7 @@ class Scene:
         lenient: Optional[bool] = None,
         texture_memory: Optional[Union[int, str]] = None,
         limit_decoded: Optional[Union[int, str]] = None,
-    ) -> None:
+    ) -> Scene:
         """An empty scene, and what is around the meshes that it will have.
 
             camera: Camera: orbit:AZIMUTH,ELEVATION in degrees, from:X,Y,Z, or the name or number of a glTF
@@ -367,10 +370,11 @@ class Scene:
             direct: Include light straight from emitters, which next-event estimation finds without a field
         """
 
+@final
 class Trainer:
     """A field that learns from records of your own, over the box from `min` to `max`."""
 
-    def __init__(self, min: Numbers, max: Numbers, **settings: Any) -> None: ...
+    def __new__(cls, min: Numbers, max: Numbers, **settings: Any) -> Trainer: ...
     def set_surface(self, positions: Numbers, area: float, normals: Optional[Numbers] = None) -> None:
         """Tells where surfaces are: points (N, 3), uniform over all of the `area`."""
     def train(
