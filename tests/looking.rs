@@ -3,6 +3,7 @@
 
 mod support;
 
+use std::sync::atomic::{AtomicU32, Ordering};
 use support::{Built, SceneMaker, inside_of_cube, mesh, overlap, settings};
 use twintree::accel::{AnalyticKind, Backend};
 use twintree::guide::{Field, ModelKind, SurfacePoint, Trainer};
@@ -10,8 +11,9 @@ use twintree::integrate::PathSettings;
 use twintree::integrate::debug::cells;
 use twintree::integrate::debug::probe::{LatLong, Place, brute_force, learned, sight};
 use twintree::integrate::guiding::Guide;
+use twintree::integrate::training::extend::{More, extend, to_file};
 use twintree::integrate::training::importance::look;
-use twintree::integrate::training::{LearnSettings, Learned, learn};
+use twintree::integrate::training::{LearnSettings, Learned, learn, learn_until};
 use twintree::light::Emitter;
 use twintree::math::{Affine3A, Rgb, Vec2, Vec3};
 use twintree::photon::PhotonSettings;
@@ -95,23 +97,29 @@ fn two_rooms() -> Built {
     maker.build(Backend::default())
 }
 
-fn taught(built: &Built, photons: u64, paths: u64, model: ModelKind) -> Learned {
-    let settings = LearnSettings {
-        photons: Budget::Exactly {
-            photons,
-            batches: 6,
-        },
+/// So many photons and paths, in so many batches.
+fn how((photons, batches): (u64, u32), (paths, batches_of_paths): (u64, u32)) -> LearnSettings {
+    LearnSettings {
+        photons: Budget::Exactly { photons, batches },
         paths,
-        batches: 6,
+        batches: batches_of_paths,
         memory: 32 << 20,
         mixture: None,
-        trial: true,
+        trial: false,
         photon: PhotonSettings {
             max_bounces: 8,
             roulette_after: 3,
             seed: 5,
         },
+        model: ModelKind::Constant,
+    }
+}
+
+fn taught(built: &Built, photons: u64, paths: u64, model: ModelKind) -> Learned {
+    let settings = LearnSettings {
+        trial: true,
         model,
+        ..how((photons, 6), (paths, 6))
     };
     let path = PathSettings {
         max_depth: 10,
@@ -203,4 +211,64 @@ fn what_learning_hands_over_is_what_guides() {
         let draw = |f: &Field| f.at(x, Some(Vec3::Y), Rgb::ONE).sample(u, u);
         assert_eq!(draw(&frozen), draw(&taught.guide.field));
     }
+}
+
+/// Says stop once it was asked `times` times.
+fn stopping_after(times: u32) -> impl Fn() -> bool + Sync {
+    let asked = AtomicU32::new(0);
+    move || asked.fetch_add(1, Ordering::Relaxed) >= times
+}
+
+#[test]
+fn learning_that_is_stopped_has_learned_from_the_first_records() {
+    let built = two_rooms();
+    let path = settings();
+    let view = built.view(&path, None);
+    // Batches double, from 1000 records on: five of them begin with the three that 7000 come in.
+    // Up to 4096 paths and 8192 photons are traced at one go, which is where it asks.
+    for (asked, stopped, whole) in [
+        (3, how((31_000, 5), (0, 5)), how((7000, 3), (0, 3))),
+        (
+            7,
+            how((15_000, 4), (31_000, 5)),
+            how((15_000, 4), (7000, 3)),
+        ),
+        (0, how((31_000, 5), (0, 5)), how((0, 1), (0, 1))),
+    ] {
+        let stop = stopping_after(asked);
+        let stopped = learn_until(&view, &stopped, &stop).expect("a field");
+        let whole = learn(&view, &whole).expect("a field");
+        let records = |l: &Learned| (l.counts.emitted, l.paths);
+        assert_eq!(records(&stopped), records(&whole));
+        assert!(asked == 0 || stopped.trainer.to_bytes() == whole.trainer.to_bytes());
+    }
+}
+
+#[test]
+fn learning_further_that_is_stopped_goes_on_where_it_was() {
+    let built = two_rooms();
+    let path = settings();
+    let view = built.view(&path, None);
+    let few = how((7000, 3), (0, 3));
+    let base = to_file(&view, &few, learn(&view, &few).expect("a field"), 1);
+    let further = |base, photons, share, asked| {
+        let more = More {
+            photons,
+            paths: 0,
+            share,
+        };
+        let stop = stopping_after(asked);
+        extend(&view, &few, base, &more, &stop).expect("a field").0
+    };
+    let stopped = further(&base, 300_000, None, 33);
+    let taken = stopped.sample_ranges.photons.count() - 7000;
+    assert!(taken > 0 && taken < 300_000, "{taken}");
+    assert!(stopped.to_bytes() == further(&base, taken, None, u32::MAX).to_bytes());
+    assert_eq!(stopped.sample_ranges.missing(), None);
+    let rest = further(&stopped, 300_000 - taken, None, u32::MAX);
+    assert!(rest.to_bytes() == further(&base, 300_000, None, u32::MAX).to_bytes());
+    // A share that was stopped lacks what the others count on.
+    let share = further(&base, 600_000, Some((0, 2)), 33);
+    assert_eq!(share.sample_ranges.photons.count(), taken);
+    assert_eq!(share.sample_ranges.photons.next(), 607_000);
 }

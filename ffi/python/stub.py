@@ -82,7 +82,7 @@ def filled(template: str) -> str:
 TEMPLATE = '''"""The compiled part of twintree. Made by stub.py: change that."""
 
 import os
-from typing import Any, Literal, Mapping, Optional, Sequence, TypedDict, Union
+from typing import Any, Literal, Optional, Sequence, TypedDict, Union, final
 
 import numpy as np
 import numpy.typing as npt
@@ -112,6 +112,7 @@ class Option(TypedDict):
     values: list[str]
     default: Optional[str]
 
+@final
 class Render:
     """What came of a render: `render["image"]` is the picture, (H, W, 3) float32, linear sRGB, rows from the top."""
 
@@ -124,8 +125,8 @@ class Render:
     @property
     def interrupted(self) -> bool:
         """Whether Ctrl-C has ended it before its limit."""
-    def __getitem__(self, name: str) -> Floats: ...
-    def __contains__(self, name: str) -> bool: ...
+    def __getitem__(self, name: str, /) -> Floats: ...
+    def __contains__(self, name: str, /) -> bool: ...
     def save(
         self,
         path: Path,
@@ -137,6 +138,7 @@ class Render:
             # save: said
         """
 
+@final
 class Field:
     """A learned field of where light comes from."""
 
@@ -148,6 +150,9 @@ class Field:
     @property
     def stats(self) -> dict[str, Any]:
         """What is in it: the keys of `twintree field --json`."""
+    @property
+    def interrupted(self) -> bool:
+        """Whether Ctrl-C has ended its training before all records had taught."""
     @property
     def bounds(self) -> tuple[list[float], list[float]]:
         """Lower and upper corner of what it covers, in the scene's units."""
@@ -181,14 +186,15 @@ class Field:
     ) -> Floats:
         """Light that arrives at `positions` (N, 3), W/m^2: (N, 3)."""
 
+@final
 class Scene:
     """A scene: shapes, materials, lights and a camera. Empty until meshes and lights are added."""
 
-    def __init__(
-        self,
+    def __new__(
+        cls,
         *,
         # studio: arguments
-    ) -> None:
+    ) -> Scene:
         """An empty scene, and what is around the meshes that it will have.
 
             # studio: said
@@ -201,12 +207,15 @@ class Scene:
         faces: Numbers,
         *,
         material: str = "clay",
+        texture: Optional[Path] = None,
+        uvs: Optional[Numbers] = None,
         normals: Optional[Numbers] = None,
         emission: Optional[Numbers] = None,
         name: Optional[str] = None,
         smooth: bool = False,
     ) -> list[str]:
-        """Adds a mesh of `vertices` (N, 3) and `faces` (M, 3); returns what was repaired, in words."""
+        """Adds a mesh of `vertices` (N, 3) and `faces` (M, 3), with `normals` (N, 3) and `uvs` (N, 2), which say
+        where the image `texture` lies; returns what was repaired, in words."""
     def add_light(self, kind: Literal["point", "spot", "directional", "constant"], **settings: Numbers) -> None:
         """Adds a lamp without a body: point (position, intensity), spot (position, target, intensity, cutoff,
         beam), directional (direction, irradiance), constant (radiance)."""
@@ -237,7 +246,7 @@ class Scene:
         progress: Any = None,
         # train: arguments
     ) -> Field:
-        """Learns where light comes from.
+        """Learns where light comes from. Ctrl-C ends it with what has been learned.
 
             field: learn further over the structure of this one
             # train: said
@@ -256,10 +265,11 @@ class Scene:
             # probe: said
         """
 
+@final
 class Trainer:
     """A field that learns from records of your own, over the box from `min` to `max`."""
 
-    def __init__(self, min: Numbers, max: Numbers, **settings: Any) -> None: ...
+    def __new__(cls, min: Numbers, max: Numbers, **settings: Any) -> Trainer: ...
     def set_surface(self, positions: Numbers, area: float, normals: Optional[Numbers] = None) -> None:
         """Tells where surfaces are: points (N, 3), uniform over all of the `area`."""
     def train(

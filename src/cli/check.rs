@@ -1,6 +1,7 @@
 //! `twintree check`: is the scene all right?
 
-use super::load::{self, Input};
+use super::input::Input;
+use super::load;
 use super::scene_args::SceneArgs;
 use super::{Failure, console};
 use clap::Args;

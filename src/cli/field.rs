@@ -1,9 +1,10 @@
 //! `twintree field`: what is in a field, in numbers and pictures.
 
+use super::field_file::Opened;
 use super::guide_args::{FieldName, field_name};
-use super::learning::Opened;
+use super::input::Input;
 use super::light_args::{Depth, LightArgs};
-use super::load::{self, Input, Loaded};
+use super::load::{self, Loaded};
 use super::picture_args::SizeArgs;
 use super::ray_args::RayArgs;
 use super::scene_args::{ReadArgs, SceneArgs};

@@ -6,8 +6,8 @@
 //! on the lens, and a field must not be learned from the very samples that it then guides.
 
 use super::frame_list::{FrameList, numbered};
+use super::input::Input;
 use super::interrupt::Interrupt;
-use super::load::Input;
 use super::output::Outputs;
 use super::render_args::RenderArgs;
 use super::scene_args::Definition;

@@ -1,6 +1,7 @@
 //! `twintree info`: what is in a scene.
 
-use super::load::{self, Input};
+use super::input::Input;
+use super::load;
 use super::scene_args::SceneArgs;
 use super::{Failure, console};
 use crate::report::left_out::left_out;

@@ -1,6 +1,7 @@
 //! From the command line's scene to a description, for every subcommand alike.
 
 use super::aov::{self, Aov};
+use super::input::{Input, check_no_defines};
 use super::picture_args::SizeArgs;
 use super::ray_args::{AccelBuild, RayArgs};
 use super::render_args::RenderArgs;
@@ -15,14 +16,14 @@ use crate::report::words;
 use crate::scene::fingerprint::{fingerprint, world_fingerprint};
 use crate::scene::import::default_scene::{Aperture, Sky, Studio};
 use crate::scene::import::gltf::Show;
-use crate::scene::import::models::{self, ModelKind, ModelOptions, ModelSource};
+use crate::scene::import::models::{self, ModelOptions, ModelSource};
 use crate::scene::import::parts::Parts;
-use crate::scene::import::{ImportOptions, mitsuba, pbrt};
+use crate::scene::import::{ImportOptions, OpenTexture, mitsuba, pbrt};
 use crate::scene::precautions::watertight_edges;
 use crate::scene::spare::{self, Trimmed};
 use crate::scene::{Description, Scene, lights_of};
 use crate::texture::TextureStore;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -39,6 +40,11 @@ pub struct Loaded {
 }
 
 impl Loaded {
+    /// Where its textures are opened, and what is added to it opens more.
+    pub fn store(&self) -> &TextureStore {
+        &self.textures
+    }
+
     /// Images that textures were made of, and the memory of their texels at this moment.
     pub fn textures(&self) -> TextureTotals {
         TextureTotals {
@@ -153,124 +159,31 @@ impl Picture {
     }
 }
 
-/// What the words of the command line name.
-#[derive(Debug)]
-pub enum Input {
-    /// A scene file.
-    Scene(PathBuf),
-    /// Models.
-    Models(Vec<ModelSource>),
-}
-
-impl Input {
-    /// Decides what is to be loaded.
-    ///
-    /// # Errors
-    /// When scenes and models are mixed, options do not go with what is named, or the steps behind
-    /// a model make no sense.
-    pub fn of(args: &SceneArgs) -> Result<Self, Failure> {
-        let mut sources = Vec::new();
-        for word in &args.files {
-            // A name that is no text has no steps behind it.
-            let source = match word.to_str() {
-                Some(text) => text.parse().map_err(|e| {
-                    Failure::wrong(
-                        format!("{text}: {e}"),
-                        "steps are as in a.ply@translate=1,0,0;scale=2",
-                    )
-                })?,
-                None => ModelSource::new(PathBuf::from(word)),
-            };
-            sources.push(source);
-        }
-        let is_model = |s: &ModelSource| ModelKind::from_path(&s.path).is_some();
-        match (args.files.as_slice(), sources.as_slice()) {
-            ([scene], [source]) if !is_model(source) => {
-                check_no_studio(&args.studio, Path::new(scene))?;
-                Ok(Self::Scene(scene.into()))
-            }
-            _ => {
-                check_no_defines(args)?;
-                Ok(Self::Models(sources))
-            }
-        }
-    }
-
-    /// The files that are named.
-    pub fn paths(&self) -> Vec<&Path> {
-        match self {
-            Self::Scene(path) => vec![path],
-            Self::Models(sources) => sources.iter().map(|s| s.path.as_path()).collect(),
-        }
-    }
-
-    /// The file that outputs are named after.
-    pub fn first_path(&self) -> &Path {
-        match self {
-            Self::Scene(path) => path,
-            Self::Models(sources) => sources.first().map_or(Path::new(""), |s| &s.path),
-        }
-    }
-}
-
-/// A scene has its own camera and light.
-fn check_no_studio(args: &StudioArgs, scene: &Path) -> Result<(), Failure> {
-    let options = [
-        ("--camera", args.camera.is_some()),
-        ("--look-at", args.look_at.is_some()),
-        ("--fov", args.fov.is_some()),
-        ("--projection", args.projection.is_some()),
-        ("--aperture", args.aperture.is_some()),
-        ("--sky", args.sky.is_some()),
-        ("--envmap", args.envmap.is_some()),
-        ("--ground", args.ground.is_some()),
-        ("--material", args.material.is_some()),
-        ("--variant", args.variant.is_some()),
-        ("--at", args.at.is_some()),
-        ("--up", args.up != UpAxis::Y),
-    ];
-    let Some((name, _)) = options.iter().find(|o| o.1) else {
-        return Ok(());
-    };
-    Err(Failure::wrong(
-        format!("{name} is for models, and {} is a scene", scene.display()),
-        "models end with .ply .obj .stl .gltf .glb; in a scene, the camera and the lights are its own",
-    ))
-}
-
-fn check_no_defines(args: &SceneArgs) -> Result<(), Failure> {
-    match args.read.define.first() {
-        None => Ok(()),
-        Some(first) => Err(Failure::wrong(
-            format!(
-                "-D {}: only Mitsuba's scenes have keys to define",
-                first.name
-            ),
-            "-D goes with a scene (.xml)",
-        )),
-    }
-}
-
 /// Reads a scene or models. Warnings are logged as well as kept.
 ///
 /// # Errors
 /// When the scene, or a file that it names, cannot be used.
 pub fn load(args: &SceneArgs, input: &Input, picture: Option<Picture>) -> Result<Loaded, Failure> {
-    load_in(args, input, (&args.studio, Parts::default()), picture)
+    load_in(args, input, (&args.studio, NOTHING), picture)
 }
 
-/// Reads models beside `parts`, which are made elsewhere: the camera frames all of them. A scene
-/// takes none.
+/// Adds what is made elsewhere to the parts of a scene. Its textures are opened in the store.
+pub type Beside<'a> = &'a dyn Fn(&mut Parts, &dyn OpenTexture) -> Result<(), Failure>;
+
+const NOTHING: Beside = &|_, _| Ok(());
+
+/// Reads models beside parts that are made elsewhere: the camera frames all of them. A scene takes
+/// none.
 ///
 /// # Errors
 /// As [`load`].
 pub fn load_beside(
-    parts: Parts,
+    beside: Beside,
     args: &SceneArgs,
     input: &Input,
     picture: Picture,
 ) -> Result<Loaded, Failure> {
-    load_in(args, input, (&args.studio, parts), Some(picture))
+    load_in(args, input, (&args.studio, beside), Some(picture))
 }
 
 /// Reads a scene, or models without the light of a studio, which would stand among what is
@@ -283,13 +196,13 @@ pub fn load_unlit(args: &SceneArgs, input: &Input) -> Result<Loaded, Failure> {
         sky: args.studio.sky.clone().or(Some(Sky::None)),
         ..args.studio.clone()
     };
-    load_in(args, input, (&studio, Parts::default()), None)
+    load_in(args, input, (&studio, NOTHING), None)
 }
 
 fn load_in(
     args: &SceneArgs,
     input: &Input,
-    around: (&StudioArgs, Parts),
+    around: (&StudioArgs, Beside),
     picture: Option<Picture>,
 ) -> Result<Loaded, Failure> {
     let decode = DecodeLimit {
@@ -370,7 +283,7 @@ fn advise_on_textures(textures: &TextureStore) -> usize {
 
 fn load_models(
     sources: &[ModelSource],
-    (args, parts): (&StudioArgs, Parts),
+    (args, beside): (&StudioArgs, Beside),
     options: &ImportOptions,
     picture: Option<Picture>,
 ) -> Result<Description, Failure> {
@@ -417,6 +330,8 @@ fn load_models(
         }
     }
     budget::check_files(sources)?;
+    let mut parts = Parts::default();
+    beside(&mut parts, &*options.textures)?;
     let parts = models::load(sources, &settings, options, parts)?;
     let description = studio.compose(parts)?;
     let exposure = description.film.exposure;

@@ -1,7 +1,7 @@
 //! `twintree merge-fields`: adds fields that were learned over one structure from different
 //! records.
 
-use super::learning::{self, Opened};
+use super::field_file::{self, Opened};
 use super::{Failure, targets};
 use clap::Args;
 use std::path::PathBuf;
@@ -57,5 +57,5 @@ pub fn run(args: &MergeFieldsArgs) -> Result<(), Failure> {
         }
         tracing::warn!("records are missing: {missing}");
     }
-    learning::write(&args.output, &sum.file)
+    field_file::write(&args.output, &sum.file)
 }

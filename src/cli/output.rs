@@ -4,7 +4,7 @@ use super::Failure;
 use super::aov::{self, Aov};
 use super::checkpoint::Checkpoint;
 use super::file_args::{ExrArgs, FileArgs};
-use super::load::Input;
+use super::input::Input;
 use super::render_args::RenderArgs;
 use super::targets::{Named, check_distinct, named, try_target};
 use crate::film::part::{self, Packing, PartReader, Record};

@@ -6,8 +6,9 @@
 //! load::load -> Loaded::build -> Prepared::new -> guiding -> trace -> stats
 //! ```
 
+use super::field_file::Opened;
 use super::guide_args::Guide;
-use super::learning::{self, Guiding, Opened};
+use super::learning::{self, Guiding};
 use super::load::Loaded;
 use super::render_args::RenderArgs;
 use super::{Failure, identity, settings, threads, view};

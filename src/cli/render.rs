@@ -5,19 +5,20 @@ use super::checkpoint::Checkpoint;
 use super::console::Console;
 use super::denoising::Denoising;
 use super::error_track::ErrorTrack;
+use super::field_file::{self, Opened};
 use super::finish::Done;
 use super::identity::{self, Fingerprints};
+use super::input::Input;
 use super::interrupt::Interrupt;
 use super::invalid::LeftOut;
-use super::learning::Opened;
-use super::load::{self, Input, Loaded};
+use super::load::{self, Loaded};
 use super::output::Outputs;
 use super::prepared::{Prepared, Times};
 use super::preview::{Preview, Tev};
 use super::progress::Watch;
 use super::render_args::RenderArgs;
 use super::waiting::Waiting;
-use super::{Failure, frames, invalid, learning, settings, threads};
+use super::{Failure, frames, invalid, settings, threads};
 use crate::film::Film;
 use crate::film::part::Record;
 use crate::integrate::progress::{MIN_SPP_FOR_NOISE, PASS_SPP, Spent, StoppedBy, Summary};
@@ -129,7 +130,7 @@ fn check_field(
     args: &RenderArgs,
     loaded: &Loaded,
 ) -> Result<(Option<Opened>, Option<u64>), Failure> {
-    let field = learning::wanted_file(&args.guide)?;
+    let field = field_file::wanted_file(&args.guide)?;
     let fingerprint = match args.parts.wanted() || field.is_some() {
         true => Some(loaded.fingerprint()?),
         false => None,

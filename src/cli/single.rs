@@ -1,8 +1,9 @@
 //! `twintree render --pixel x,y,sample`: one sample, traced again and printed vertex by vertex.
 
-use super::load::{self, Input};
+use super::input::Input;
 use super::render_args::{PixelSample, RenderArgs};
 use super::{Failure, console, learning, settings};
+use super::{field_file, load};
 use crate::camera::Camera;
 use crate::film::FilmDescription;
 use crate::integrate::View;
@@ -19,7 +20,7 @@ use std::fmt::Write as _;
 pub fn run(args: &RenderArgs, PixelSample { pixel, sample }: PixelSample) -> Result<(), Failure> {
     let input = Input::of(&args.scene)?;
     let mut loaded = load::load(&args.scene, &input, Some(load::Picture::of(args)))?;
-    let field = learning::wanted_file(&args.guide)?;
+    let field = field_file::wanted_file(&args.guide)?;
     if let Some(field) = &field {
         field.check(loaded.fingerprint()?)?;
     }

@@ -1,18 +1,19 @@
 //! `twintree train`: from a scene to a field file.
 
 use super::console::Console;
+use super::field_file::{self, Opened};
 use super::guide_args::{LearnArgs, Teachers};
-use super::learning::{self, Opened};
+use super::input::Input;
 use super::light_args::LightArgs;
-use super::load::Input;
 use super::picture_args::SizeArgs;
 use super::ray_args::RayArgs;
 use super::scene_args::SceneArgs;
 use super::waiting::Waiting;
-use super::{Failure, load, output, part_args, settings, targets};
+use super::{Failure, learning, load, output, part_args, settings, targets};
 use crate::camera::Camera;
 use crate::film::Shard;
 use crate::guide::FieldFile;
+use crate::integrate::progress::Stop;
 use crate::integrate::training::extend::{More, extend, to_file};
 use crate::integrate::{GuidedSettings, View};
 use crate::report::words;
@@ -80,13 +81,15 @@ pub fn run(args: &TrainArgs, console: &Console) -> Result<(), Failure> {
         (&scene, &loaded.description),
         base.as_ref(),
         fingerprint,
+        &|| false,
     )?;
     drop(waiting);
-    learning::write(&target, &file)
+    field_file::write(&target, &file)
 }
 
 /// Learns the field of a scene with this fingerprint, or further over the structure of `base`. The
-/// film of the description is of the size that is asked for.
+/// film of the description is of the size that is asked for. Where it is stopped, it has learned
+/// from the first of the records.
 ///
 /// # Errors
 /// When nothing shines, or the base was learned with other settings.
@@ -95,6 +98,7 @@ pub fn learn(
     (scene, description): (&Scene, &Description),
     base: Option<&Opened>,
     fingerprint: u64,
+    stop: Stop,
 ) -> Result<FieldFile, Failure> {
     if scene.lights.is_empty() {
         let help = "add an emitter to the scene";
@@ -116,9 +120,9 @@ pub fn learn(
         guide: None,
     };
     match base {
-        Some(base) => further(args, base, &view),
+        Some(base) => further(args, base, &view, stop),
         None => {
-            let learned = learning::teach(&args.learn, &view)?;
+            let learned = learning::teach(&args.learn, &view, stop)?;
             let photons = settings::photons_alone(&args.learn);
             let how = settings::learn_settings(&args.learn, &settings, photons)?;
             Ok(to_file(&view, &how, learned, fingerprint))
@@ -139,7 +143,7 @@ pub fn records(args: &TrainArgs) -> u64 {
 }
 
 /// Learns further over the structure of a field.
-fn further(args: &TrainArgs, base: &Opened, view: &View) -> Result<FieldFile, Failure> {
+fn further(args: &TrainArgs, base: &Opened, view: &View, stop: Stop) -> Result<FieldFile, Failure> {
     let start = Instant::now();
     let more = More {
         photons: args.learn.photons.unwrap_or(settings::PHOTONS),
@@ -148,7 +152,7 @@ fn further(args: &TrainArgs, base: &Opened, view: &View) -> Result<FieldFile, Fa
     };
     let photons = settings::photons_alone(&args.learn);
     let how = settings::learn_settings(&args.learn, view.settings, photons)?;
-    let (file, counts) = extend(view, &how, &base.file, &more)
+    let (file, counts) = extend(view, &how, &base.file, &more, stop)
         .map_err(|e| Failure::Wrong(format!("{}: {e}", base.path.display())))?;
     learning::warn_of_invalid_photons(&counts);
     tracing::info!(

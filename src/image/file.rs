@@ -2,10 +2,11 @@
 
 use super::decoded::DecodeLimit;
 #[cfg(not(feature = "oiio"))]
-use super::formats::Input;
+use super::formats::open;
 use super::header::{Header, Level};
 #[cfg(feature = "oiio")]
-use super::oiio::input::Input;
+use super::oiio::input::open;
+use super::read_rows::ReadRows;
 use super::{Image, ImageError, PixelType, foreign, promise};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -14,7 +15,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug)]
 pub struct ImageFile {
     path: PathBuf,
-    input: Input,
+    input: Box<dyn ReadRows>,
     header: Header,
 }
 
@@ -31,7 +32,7 @@ impl ImageFile {
         }
         let unreadable = |why| error(format!("the image cannot be read: {why}"));
         promise::check(path, meta.len()).map_err(unreadable)?;
-        let input = Input::open(path).map_err(unreadable)?;
+        let input = open(path).map_err(unreadable)?;
         let header = input.header().map_err(unreadable)?;
         numbers(&header, meta.len()).map_err(unreadable)?;
         Ok(Self {

@@ -35,6 +35,7 @@ pub mod oiio;
 mod openexr;
 pub mod passing;
 mod promise;
+mod read_rows;
 pub mod regular;
 pub mod spill;
 #[cfg(test)]

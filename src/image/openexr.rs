@@ -1,7 +1,7 @@
 //! EXR through the `exr` crate: for builds without OpenImageIO, and the independent reader of the
 //! tests with it.
 
-pub use reading::Input;
+pub use reading::open;
 
 use super::header::{Level, Window};
 use super::{Attribute, AttributeValue, Compression, Image, PixelType, WriteOptions};
@@ -215,33 +215,34 @@ mod reading {
     use super::*;
     use crate::image::Channel;
     use crate::image::header::Header;
+    use crate::image::read_rows::ReadRows;
     use std::ops::Range;
     use std::path::PathBuf;
 
     /// An EXR file, decoded whole when its first rows are asked for.
     #[derive(Debug)]
-    pub struct Input {
+    struct Input {
         path: PathBuf,
         headers: Vec<Header>,
         part: usize,
         decoded: Vec<Image>,
     }
 
-    impl Input {
-        /// Opens a file. The error is the reason alone.
-        pub fn open(path: &Path) -> Result<Self, String> {
-            let meta =
-                exr::prelude::MetaData::read_from_file(path, false).map_err(|e| e.to_string())?;
-            Ok(Self {
-                path: path.to_owned(),
-                headers: meta.headers.iter().map(to_header).collect(),
-                part: 0,
-                decoded: Vec::new(),
-            })
-        }
+    /// Opens a file. The error is the reason alone.
+    pub fn open(path: &Path) -> Result<Box<dyn ReadRows>, String> {
+        let meta =
+            exr::prelude::MetaData::read_from_file(path, false).map_err(|e| e.to_string())?;
+        Ok(Box::new(Input {
+            path: path.to_owned(),
+            headers: meta.headers.iter().map(to_header).collect(),
+            part: 0,
+            decoded: Vec::new(),
+        }))
+    }
 
-        /// Goes to a part; mip levels beyond the first are not read.
-        pub fn seek(&mut self, part: u32, level: u32) -> Result<bool, String> {
+    impl ReadRows for Input {
+        /// Mip levels beyond the first are not read.
+        fn seek(&mut self, part: u32, level: u32) -> Result<bool, String> {
             let found = level == 0 && (part as usize) < self.headers.len();
             if found {
                 self.part = part as usize;
@@ -249,16 +250,15 @@ mod reading {
             Ok(found)
         }
 
-        /// Size and channels of the current part.
-        pub fn header(&self) -> Result<Header, String> {
+        fn header(&self) -> Result<Header, String> {
             self.headers
                 .get(self.part)
                 .cloned()
                 .ok_or_else(|| "there is no image in the file".into())
         }
 
-        /// Reads rows as halves or floats.
-        pub fn rows(
+        /// As halves or floats.
+        fn rows(
             &mut self,
             rows: Range<u32>,
             channels: Range<usize>,

@@ -69,6 +69,9 @@ pub enum Learning {
     Trial,
 }
 
+/// Whether work is to end soon, with what it has come to. Asked often, from many threads at once.
+pub type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
+
 /// Who watches a render. Called from the rendering threads between passes.
 pub trait Observer: Sync {
     /// A pass over the whole film is done.

@@ -62,7 +62,7 @@ pub enum Texture {
 }
 
 /// Placement of a texture: `uv * scale + offset` in the general (affine) sense.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct UvTransform(pub glam::Affine2);
 
 /// What an image texture is outside `[0, 1]^2`.

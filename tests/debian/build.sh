@@ -43,7 +43,7 @@ install_dependencies() {
 # all tests on the host (.ci/run); where that is the same Debian, they are not run again.
 run_tests() {
     local release=$1 image=$2 command="cargo test --release --lib --test cli"
-    if [ "$release" = "$(. /etc/os-release && echo "${VERSION_CODENAME:-}")" ]; then
+    if left_to_host "$release" tests; then
         say "$release: tests run on the host, which is the same Debian"
         return
     fi

@@ -25,6 +25,13 @@ why_not() {
         echo "the Debian mirror $(mirror) cannot be reached (TWINTREE_DEBIAN_MIRROR names another)"
 }
 
+# Whether a kind of tests is left to the host, which is the same Debian.
+# usage: left_to_host RELEASE KIND
+left_to_host() {
+    [ "$1" = "$(. /etc/os-release && echo "${VERSION_CODENAME:-}")" ] || return 1
+    case " ${TWINTREE_DEBIAN_AGAIN:-} " in *" $2 "*) return 1 ;; esac
+}
+
 # The mirror that apt uses on the host for Debian itself, or Debian's own.
 mirror() {
     local found=${TWINTREE_DEBIAN_MIRROR:-}
@@ -40,7 +47,7 @@ fetch_crates() {
     crates=
     command -v cargo >/dev/null || return 0
     say "cargo fetch"
-    (cd "$checkout" && cargo fetch --locked && cargo fetch --locked --manifest-path ffi/python/Cargo.toml)
+    (cd "$checkout" && cargo fetch --locked)
     crates=${CARGO_HOME:-$HOME/.cargo}/registry
 }
 

@@ -25,14 +25,13 @@ enter_pip() {
     # takes minutes, and what is tested is not speed.
     local little="--config profile.release.package.twintree.opt-level=0"
     little+=" --config profile.release.package.twintree-python.opt-level=0"
-    enter "$image" env "${variables[@]}" CARGO_TARGET_DIR=/src/twintree/target "MATURIN_PEP517_ARGS=$little" \
-        /opt/venv/bin/pip "$@"
+    enter "$image" env "${variables[@]}" "MATURIN_PEP517_ARGS=$little" /opt/venv/bin/pip "$@"
 }
 
 # usage: install_for_python RELEASE IMAGE
 install_for_python() {
     local release=$1 image=$2 picture=$2/src/twintree/picture.png
-    if [ "$release" = "$(. /etc/os-release && echo "${VERSION_CODENAME:-}")" ]; then
+    if left_to_host "$release" python; then
         say "$release: the package for Python is tested on the host, which is the same Debian (ffi/python/ci)"
         return
     fi

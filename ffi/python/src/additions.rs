@@ -1,20 +1,23 @@
 //! What a scene gets beside its files: meshes of arrays, and lamps.
 
-use crate::arrays::{finite, floats, integers, triples};
+use crate::arrays::{finite, floats, integers, pairs, triples};
 use crate::failure::Fault;
 use crate::work;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use twintree::cli::Failure;
+use twintree::cli::load::Loaded;
+use twintree::image::file::ImageFile;
 use twintree::light::{Emitter, Falloff};
-use twintree::math::{Affine3A, Rgb, Vec3};
-use twintree::scene::import::ImportError;
+use twintree::math::{Affine3A, Rgb, Vec2, Vec3};
 use twintree::scene::import::mesh::{Buffers, MeshOptions, from_buffers};
-use twintree::scene::import::models::palette::Paint;
+use twintree::scene::import::models::palette::{COLORED, Paint};
 use twintree::scene::import::parts::Parts;
-use twintree::scene::{Description, Geometry, Mesh, Shape};
-use twintree::texture::Texture;
+use twintree::scene::import::{ImportError, OpenTexture};
+use twintree::scene::{Geometry, Mesh, Shape};
+use twintree::texture::{BitmapSettings, Filter, Texture, UvTransform, Wrap};
 
 /// Something that was added.
 #[derive(Clone)]
@@ -27,6 +30,8 @@ pub enum Addition {
         mesh: Arc<Mesh>,
         /// What it is made of.
         paint: Paint,
+        /// The image that is its colour.
+        image: Option<PathBuf>,
         /// Radiance that it emits.
         emission: Option<Rgb>,
     },
@@ -36,16 +41,28 @@ pub enum Addition {
 
 impl Addition {
     /// Puts it among the parts of a scene.
-    fn add(&self, parts: &mut Parts) {
-        let (name, mesh, paint, emission) = match self {
-            Self::Light(emitter) => return parts.emitters.push(emitter.clone()),
+    fn add(&self, parts: &mut Parts, textures: &dyn OpenTexture) -> Result<(), Failure> {
+        let (name, mesh, paint, image, emission) = match self {
+            Self::Light(emitter) => {
+                parts.emitters.push(emitter.clone());
+                return Ok(());
+            }
             Self::Mesh {
                 name,
                 mesh,
                 paint,
+                image,
                 emission,
-            } => (name, mesh, paint, emission),
+            } => (name, mesh, paint, image, emission),
         };
+        let image = image.as_ref().map(|path| textures.open(color_of(path)));
+        let image = image.transpose()?;
+        if let Some(Texture::Bitmap(bitmap)) = &image {
+            let path = bitmap.settings().path.display();
+            for oddity in bitmap.oddities() {
+                parts.warn(format!("{path}: {oddity}"));
+            }
+        }
         let shape = parts.shapes.len() as u32;
         let emitter = emission.map(|radiance| {
             parts.emitters.push(Emitter::Area {
@@ -58,24 +75,42 @@ impl Addition {
         parts.shapes.push(Shape {
             name: name.clone(),
             geometry: Geometry::Mesh(mesh.clone()),
-            material: paint.add(&mut parts.materials, false),
+            material: paint.add(&mut parts.materials, image),
             emitter,
             flip_normals: false,
             group: None,
             boundary: paint.boundary(&mut parts.media),
         });
+        Ok(())
     }
 }
 
-/// The parts that additions alone make.
-pub fn parts_of(additions: &[Addition]) -> Parts {
-    let mut parts = Parts::default();
-    additions.iter().for_each(|a| a.add(&mut parts));
-    parts
+/// An image that is a colour, and repeats.
+fn color_of(path: &Path) -> BitmapSettings {
+    BitmapSettings {
+        path: path.to_owned(),
+        raw: false,
+        gamma: None,
+        filter: Filter::Linear,
+        wrap_u: Wrap::Repeat,
+        wrap_v: Wrap::Repeat,
+        to_uv: UvTransform::default(),
+        channel: None,
+    }
 }
 
-/// Puts additions into a scene.
-pub fn add_to(description: &mut Description, additions: &[Addition]) {
+/// Puts additions among parts.
+pub fn add_all(
+    additions: &[Addition],
+    parts: &mut Parts,
+    textures: &dyn OpenTexture,
+) -> Result<(), Failure> {
+    additions.iter().try_for_each(|a| a.add(parts, textures))
+}
+
+/// Puts additions into a scene that was read.
+pub fn add_to(loaded: &mut Loaded, additions: &[Addition]) -> Result<(), Failure> {
+    let description = &mut loaded.description;
     let mut parts = Parts {
         shapes: std::mem::take(&mut description.shapes),
         materials: std::mem::take(&mut description.materials),
@@ -83,34 +118,84 @@ pub fn add_to(description: &mut Description, additions: &[Addition]) {
         emitters: std::mem::take(&mut description.emitters),
         ..Parts::default()
     };
-    additions.iter().for_each(|a| a.add(&mut parts));
+    add_all(additions, &mut parts, loaded.store())?;
+    let description = &mut loaded.description;
     description.shapes = parts.shapes;
     description.materials = parts.materials;
     description.media = parts.media;
     description.emitters = parts.emitters;
+    for warning in parts.warnings.into_list() {
+        tracing::warn!("{warning}");
+        description.warnings.push(warning);
+    }
+    Ok(())
+}
+
+/// What a mesh is made of, with an image as its colour or without.
+pub fn paint(material: &str, image: Option<&Path>, has_uvs: bool) -> Result<Paint, Fault> {
+    let paint: Paint = material
+        .parse()
+        .map_err(|e| Fault::Value(format!("material: {e}")))?;
+    let Some(path) = image else {
+        return Ok(paint);
+    };
+    if !has_uvs {
+        let text = "texture: uvs= must say where on the mesh it lies";
+        return Err(Fault::Value(text.into()));
+    }
+    if !paint.takes_image() {
+        let colored = COLORED.join(", ");
+        let text = format!("texture: it cannot be the colour of {material}, only of {colored}");
+        return Err(Fault::Value(text));
+    }
+    // Its texels are read when the scene is built.
+    ImageFile::open(path).map_err(|e| Fault::from(Failure::from(e)))?;
+    Ok(paint)
+}
+
+/// Arrays that say something of each vertex of a mesh.
+pub struct OfVertices<'a, 'py> {
+    /// (N, 3).
+    pub positions: &'a Bound<'py, PyAny>,
+    /// (N, 3).
+    pub normals: Option<&'a Bound<'py, PyAny>>,
+    /// (N, 2).
+    pub uvs: Option<&'a Bound<'py, PyAny>>,
+}
+
+/// One for each of `count` vertices, where there are any.
+fn one_each<T>(name: &str, list: Option<Vec<T>>, count: usize) -> Result<Option<Vec<T>>, Fault> {
+    match list.as_ref().map(Vec::len).filter(|given| *given != count) {
+        None => Ok(list),
+        Some(given) => Err(Fault::Value(format!(
+            "{name}: expected {count} rows, one a vertex, not {given}"
+        ))),
+    }
 }
 
 /// A mesh of arrays, and what was odd about it.
 pub fn mesh(
-    vertices: &Bound<'_, PyAny>,
+    vertices: &OfVertices,
     faces: &Bound<'_, PyAny>,
-    normals: Option<&Bound<'_, PyAny>>,
     smooth: bool,
 ) -> PyResult<(Arc<Mesh>, Vec<String>)> {
-    let positions = triples("vertices", vertices)?;
-    let normals = normals.map(|n| triples("normals", n)).transpose()?;
-    if let Some(list) = normals.as_ref().filter(|n| n.len() != positions.len()) {
-        let (given, count) = (list.len(), positions.len());
-        let text = format!("normals: expected {count} rows, one a vertex, not {given}");
-        return Err(Fault::Value(text).into());
-    }
-    let triangles = corners(faces, positions.len())?;
+    let positions = triples("vertices", vertices.positions)?;
+    let count = positions.len();
+    let normals = vertices.normals.map(|n| triples("normals", n));
+    let normals = one_each("normals", normals.transpose()?, count)?;
+    let uvs = vertices.uvs.map(|u| pairs("uvs", u)).transpose()?;
+    let uvs = one_each("uvs", uvs, count)?;
+    // Row 0 of an image lies at v = 0; here v points up, as in most files of meshes.
+    let down = |uv: Vec2| Vec2::new(uv.x, 1.0 - uv.y);
+    let uvs = uvs.map(|list| list.into_iter().map(down).collect());
+    let triangles = corners(faces, count)?;
     if triangles.is_empty() {
         return Err(Fault::Value("faces: there is no triangle".into()).into());
     }
     let buffers = Buffers {
         positions,
         normals,
+        uvs,
         triangles,
         ..Buffers::default()
     };
@@ -118,7 +203,7 @@ pub fn mesh(
         flat_without_normals: !smooth,
         ..MeshOptions::default()
     };
-    let loaded = work::run(vertices.py(), None, || {
+    let loaded = work::run(faces.py(), None, || {
         let loaded = from_buffers(buffers, &options, Path::new(""));
         // The name of a file that is none.
         loaded.map_err(|e| ImportError { file: None, ..e }.into())

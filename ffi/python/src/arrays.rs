@@ -4,7 +4,7 @@
 use crate::failure::Fault;
 use numpy::{PyArray1, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use twintree::math::Vec3;
+use twintree::math::{Vec2, Vec3};
 
 /// Numbers of an array in C order, with its shape.
 pub struct Array<T> {
@@ -93,18 +93,32 @@ fn shape_text(shape: &[usize]) -> String {
 /// # Errors
 /// When the shape is another, or a number is not finite.
 pub fn triples(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Vec3>> {
+    let array = rows(name, value, 3)?;
+    Ok(array.chunks_exact(3).map(Vec3::from_slice).collect())
+}
+
+/// Texture coordinates: an array of the shape (N, 2), or (2,) for one.
+///
+/// # Errors
+/// When the shape is another, or a number is not finite.
+pub fn pairs(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Vec2>> {
+    let array = rows(name, value, 2)?;
+    Ok(array.chunks_exact(2).map(Vec2::from_slice).collect())
+}
+
+/// Rows of so many finite numbers, or a single row.
+fn rows(name: &str, value: &Bound<'_, PyAny>, each: usize) -> PyResult<Vec<f32>> {
     let array = floats(name, value)?;
     match array.shape.as_slice() {
-        [3] | [_, 3] => {}
+        [.., last] if *last == each && array.shape.len() <= 2 => {}
         _ => {
             let shape = array.shape_text();
-            return Err(
-                Fault::Value(format!("{name}: expected the shape (N, 3), not {shape}")).into(),
-            );
+            let text = format!("{name}: expected the shape (N, {each}), not {shape}");
+            return Err(Fault::Value(text).into());
         }
     }
-    finite(name, &array.values, 3)?;
-    Ok(array.values.chunks_exact(3).map(Vec3::from_slice).collect())
+    finite(name, &array.values, each)?;
+    Ok(array.values)
 }
 
 /// One number for each of `count` records: an array of the shape (N,).

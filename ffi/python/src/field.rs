@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use twintree::cli::learning::{self, Opened};
+use twintree::cli::field_file::{self, Opened};
 use twintree::guide::FieldFile;
 use twintree::math::{Pcg32, Rgb, Vec2, Vec3};
 use twintree::report::field::FieldReport;
@@ -52,12 +52,23 @@ pub enum Guides {
 #[pyclass(frozen, module = "twintree")]
 pub struct Field {
     shared: Arc<Shared>,
+    /// Whether Ctrl-C has ended its training before all records had taught.
+    #[pyo3(get)]
+    interrupted: bool,
 }
 
 impl Field {
     /// A field of sums.
     pub fn of(file: FieldFile) -> Self {
         Self::named(file, Path::new("a twintree.Field"))
+    }
+
+    /// The same, of training that Ctrl-C may have ended.
+    pub fn learned(file: FieldFile, interrupted: bool) -> Self {
+        Self {
+            interrupted,
+            ..Self::of(file)
+        }
     }
 
     fn named(file: FieldFile, name: &Path) -> Self {
@@ -68,7 +79,13 @@ impl Field {
                 frozen,
                 name: name.into(),
             }),
+            interrupted: false,
         }
+    }
+
+    /// Whether Ctrl-C has ended its training.
+    pub fn is_interrupted(&self) -> bool {
+        self.interrupted
     }
 
     /// For a render on other threads.
@@ -145,7 +162,9 @@ impl Field {
     /// Writes the field, whole or not at all. Raises `RuntimeError` where that cannot be done.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let shared = self.shared.clone();
-        work::run(py, None, move || Ok(learning::write(&path, &shared.file)?))
+        work::run(py, None, move || {
+            Ok(field_file::write(&path, &shared.file)?)
+        })
     }
 
     /// What is in it: the keys of `twintree field --json`.

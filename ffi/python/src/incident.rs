@@ -2,7 +2,8 @@
 
 use crate::arrays;
 use crate::failure::Fault;
-use crate::scene::{Scene, plain};
+use crate::scene::Scene;
+use crate::state::plain;
 use crate::words::{self, words};
 use crate::work;
 use pyo3::prelude::*;

@@ -8,6 +8,7 @@
 //! | `work.rs` | work without Python's lock: threads, Ctrl-C, progress, messages, forks |
 //! | `messages.rs` | the program's messages, for Python's `logging` |
 //! | `scene.rs`, `additions.rs` | scenes from files and arrays |
+//! | `state.rs` | what a scene keeps from one render to the next |
 //! | `render.rs`, `picture.rs` | rendering, and what came of it |
 //! | `field.rs`, `trainer.rs` | learned fields, and fields of one's own records |
 //! | `incident.rs` | the light at a place, by brute force |
@@ -28,6 +29,7 @@ mod program;
 mod progress;
 mod render;
 mod scene;
+mod state;
 mod trainer;
 mod words;
 mod work;

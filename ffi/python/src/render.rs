@@ -4,20 +4,21 @@ use crate::failure::Fault;
 use crate::field::{Field, Guides};
 use crate::picture::{Picture, Render};
 use crate::progress::{Shown, Watcher};
-use crate::scene::{Scene, plain};
+use crate::scene::Scene;
+use crate::state::plain;
 use crate::words::{self, refuse, words};
 use crate::work;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::ffi::OsString;
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 use twintree::cli::args::Command;
 use twintree::cli::error_track::ErrorTrack;
+use twintree::cli::field_file::{self, Opened};
 use twintree::cli::help::options_of;
 use twintree::cli::invalid::{self, LeftOut};
-use twintree::cli::learning::{self, Opened};
 use twintree::cli::load::{self, Loaded};
 use twintree::cli::prepared::{Prepared, Times};
 use twintree::cli::render_args::RenderArgs;
@@ -25,6 +26,7 @@ use twintree::cli::scene_args::SceneArgs;
 use twintree::cli::train::{TrainArgs, records};
 use twintree::cli::{denoising, finish, memory, settings, train};
 use twintree::film::{Film, Metadata};
+use twintree::guide::FieldFile;
 use twintree::image::Image;
 use twintree::image::denoise::{DenoiseError, denoised};
 use twintree::integrate::progress::{Spent, StoppedBy};
@@ -201,7 +203,7 @@ impl Scene {
         let Command::Render(args) = words::read("render", &files, &keywords)? else {
             return Err(Fault::Runtime("another command was read".into()).into());
         };
-        learning::check_way(&args.guide).map_err(Fault::from)?;
+        field_file::check_way(&args.guide).map_err(Fault::from)?;
         check_threads(threads)?;
         let watcher = Watcher::new(None);
         let work = Work {
@@ -215,14 +217,10 @@ impl Scene {
         let (outcome, raised) =
             work::watched(py, threads, &watcher.stop, &mut shown, || work.run())?;
         drop(shown);
-        match (outcome, raised) {
-            (Ok(picture), None) => Render::new(py, picture),
-            (Ok(picture), Some(e)) if picture.interrupted && is_interrupt(py, &e) => {
-                Render::new(py, picture)
-            }
-            (_, Some(e)) => Err(e),
-            (Err(fault), None) => Err(fault.into()),
-        }
+        Render::new(
+            py,
+            kept(py, outcome, raised, |picture| picture.interrupted)?,
+        )
     }
 
     /// Learns where light comes from, as `twintree train` does; keywords are its options:
@@ -230,7 +228,8 @@ impl Scene {
     /// `Field` of this scene, learns further over its structure. `threads` and `progress` are those
     /// of `render`.
     ///
-    /// Learning cannot be ended early: `KeyboardInterrupt` is raised after it.
+    /// Ctrl-C ends learning: the field is returned as it is by then, with `interrupted` set; before
+    /// the first records have taught, `KeyboardInterrupt` is raised.
     #[pyo3(signature = (*, field = None, threads = None, progress = None, **settings))]
     fn train(
         &self,
@@ -265,17 +264,33 @@ impl Scene {
         };
         let watcher = Watcher::new(Some(records(&args)));
         let mut shown = Shown::begin(py, &watcher, progress)?;
-        let work = || learned(self, &args, base.as_ref());
+        let work = || learned(self, &args, base.as_ref(), &watcher);
         let (outcome, raised) = work::watched(py, threads, &watcher.stop, &mut shown, work)?;
         drop(shown);
-        match raised {
-            Some(e) => Err(e),
-            None => Ok(outcome?),
-        }
+        kept(py, outcome, raised, Field::is_interrupted)
     }
 }
 
-fn learned(scene: &Scene, args: &TrainArgs, base: Option<&Opened>) -> Result<Field, Fault> {
+/// What came of work, though Ctrl-C has ended it; nothing where anything else was raised meanwhile.
+fn kept<T>(
+    py: Python<'_>,
+    outcome: Result<T, Fault>,
+    raised: Option<PyErr>,
+    is_interrupted: impl Fn(&T) -> bool,
+) -> PyResult<T> {
+    match (outcome, raised) {
+        (Ok(kept), Some(e)) if is_interrupted(&kept) && is_interrupt(py, &e) => Ok(kept),
+        (_, Some(e)) => Err(e),
+        (outcome, None) => Ok(outcome?),
+    }
+}
+
+fn learned(
+    scene: &Scene,
+    args: &TrainArgs,
+    base: Option<&Opened>,
+    watcher: &Watcher,
+) -> Result<Field, Fault> {
     let ready = scene.ready(plain(args.size), &args.rays)?;
     let mut loaded = Loaded::clone(&ready.loaded);
     settings::resize(&mut loaded.description.film, args.size);
@@ -284,7 +299,22 @@ fn learned(scene: &Scene, args: &TrainArgs, base: Option<&Opened>) -> Result<Fie
         base.check(fingerprint)?;
     }
     let of = (&*ready.scene, &loaded.description);
-    Ok(Field::of(train::learn(args, of, base, fingerprint)?))
+    // A request that comes when all is learned ends nothing.
+    let stopped = AtomicBool::new(false);
+    let stop = || {
+        let stops = watcher.stops();
+        stopped.fetch_or(stops, Ordering::Relaxed);
+        stops
+    };
+    let file = train::learn(args, of, base, fingerprint, &stop)?;
+    let stopped = stopped.into_inner();
+    let records = |f: &FieldFile| f.sample_ranges.photons.count() + f.sample_ranges.paths.count();
+    // A share begins with nothing, whatever its base knows.
+    let before = base.filter(|_| args.shard.is_none());
+    if stopped && records(&file) == before.map_or(0, |b| records(&b.file)) {
+        return Err(finish::nothing_done(true).into());
+    }
+    Ok(Field::learned(file, stopped))
 }
 
 /// The words of a render's keyword arguments, those of files and of the scene refused.
@@ -311,7 +341,7 @@ fn keywords_of(
 fn opened(guides: Option<Guides>, args: &RenderArgs) -> Result<Option<Opened>, Fault> {
     match guides {
         Some(Guides::Field(field)) => Ok(Some(field.opened(true))),
-        Some(Guides::File) => Ok(learning::wanted_file(&args.guide)?),
+        Some(Guides::File) => Ok(field_file::wanted_file(&args.guide)?),
         None => Ok(None),
     }
 }

@@ -1,25 +1,19 @@
 //! Scenes: from files, from arrays, or from both.
 
-use crate::additions::{self, Addition};
+use crate::additions::{self, Addition, OfVertices};
 use crate::failure::Fault;
-use crate::words::{self, words};
+use crate::state::{Ready, State};
+use crate::words::{scene_words, words};
 use crate::work;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use std::ffi::OsString;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::Instant;
-use twintree::cli::args::Command;
-use twintree::cli::load::{Input, Loaded, Picture, load as read_files, load_beside};
-use twintree::cli::picture_args::SizeArgs;
-use twintree::cli::prepared::Times;
+use std::path::PathBuf;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use twintree::cli::input::Input;
+use twintree::cli::load::Picture;
 use twintree::cli::ray_args::RayArgs;
-use twintree::cli::scene_args::SceneArgs;
 use twintree::report::totals::triangles;
-
-/// Options of the command line that say how files are read: of a scene file, all other keywords are
-/// values for its `$names`.
-const READING: [&str; 3] = ["lenient", "texture_memory", "limit_decoded"];
 
 /// A scene: shapes, materials, lights and a camera.
 ///
@@ -32,148 +26,6 @@ const READING: [&str; 3] = ["lenient", "texture_memory", "limit_decoded"];
 #[pyclass(frozen, module = "twintree")]
 pub struct Scene {
     state: Mutex<State>,
-}
-
-struct State {
-    args: SceneArgs,
-    input: Arc<Input>,
-    /// Options, as words.
-    keywords: Vec<String>,
-    additions: Vec<Addition>,
-    /// Of a scene file, what it says, with texture coordinates that nothing reads or without.
-    base: Option<(bool, Loaded)>,
-    kept: Option<Kept>,
-}
-
-/// What is made anew for another picture: of models the size, and texture coordinates that nothing
-/// but a layer reads.
-type Key = (Option<u32>, Option<u32>, bool);
-
-/// What was made for the last render, and serves the next one of the same kind.
-struct Kept {
-    key: Key,
-    loaded: Arc<Loaded>,
-    built: Option<(String, Arc<twintree::scene::Scene>)>,
-    times: Times,
-}
-
-/// A scene to render from.
-pub struct Ready {
-    /// As data.
-    pub loaded: Arc<Loaded>,
-    /// As the ray tracer has it.
-    pub scene: Arc<twintree::scene::Scene>,
-    /// What making it took.
-    pub times: Times,
-    /// Where it comes from.
-    pub args: SceneArgs,
-}
-
-impl State {
-    /// Reads options; `files` are none for a scene of arrays.
-    fn new(files: Vec<OsString>, keywords: Vec<String>) -> Result<Self, Fault> {
-        // A name for messages and statistics.
-        let named = match files.as_slice() {
-            [] => vec!["arrays".into()],
-            _ => files.clone(),
-        };
-        let Command::Render(args) = words::read("render", &named, &keywords)? else {
-            return Err(Fault::Runtime("another command was read".into()));
-        };
-        let input = match files.as_slice() {
-            [] => Input::Models(Vec::new()),
-            _ => Input::of(&args.scene)?,
-        };
-        Ok(Self {
-            args: args.scene,
-            input: Arc::new(input),
-            keywords,
-            additions: Vec::new(),
-            base: None,
-            kept: None,
-        })
-    }
-
-    /// What decides whether the scene is made anew for a picture.
-    fn key(&self, picture: Picture) -> Key {
-        let SizeArgs { width, height } = picture.size;
-        match &*self.input {
-            Input::Models(_) => (width, height, picture.tells_uvs),
-            // A scene file's camera does not follow the size.
-            Input::Scene(_) => (None, None, picture.tells_uvs),
-        }
-    }
-
-    /// The scene as data, for a picture.
-    fn loaded(&mut self, picture: Picture) -> Result<Loaded, Fault> {
-        if let Input::Models(_) = &*self.input {
-            let parts = additions::parts_of(&self.additions);
-            return Ok(load_beside(parts, &self.args, &self.input, picture)?);
-        }
-        let known = self
-            .base
-            .as_ref()
-            .filter(|(uvs, _)| *uvs == picture.tells_uvs);
-        let mut loaded = match known {
-            Some((_, base)) => base.clone(),
-            None => {
-                let base = read_files(&self.args, &self.input, Some(picture))?;
-                self.base = Some((picture.tells_uvs, base.clone()));
-                base
-            }
-        };
-        additions::add_to(&mut loaded.description, &self.additions);
-        Ok(loaded)
-    }
-
-    /// The scene as data, of what is kept or made anew.
-    fn kept(&mut self, picture: Picture) -> Result<&mut Kept, Fault> {
-        let key = self.key(picture);
-        let kept = match self.kept.take().filter(|kept| kept.key == key) {
-            Some(kept) => kept,
-            None => {
-                let start = Instant::now();
-                let loaded = self.loaded(picture)?;
-                let times = Times {
-                    load: start.elapsed().as_secs_f64(),
-                    triangles: triangles(&loaded.description),
-                    ..Times::default()
-                };
-                Kept {
-                    key,
-                    loaded: Arc::new(loaded),
-                    built: None,
-                    times,
-                }
-            }
-        };
-        Ok(self.kept.insert(kept))
-    }
-
-    fn ready(&mut self, picture: Picture, rays: &RayArgs) -> Result<Ready, Fault> {
-        work::own_scenes()?;
-        let args = self.args.clone();
-        let kept = self.kept(picture)?;
-        let how = format!("{rays:?}");
-        let built = kept.built.as_ref().filter(|(other, _)| *other == how);
-        let scene = match built {
-            Some((_, scene)) => scene.clone(),
-            None => {
-                let start = Instant::now();
-                // Building takes the shapes out of what it is given.
-                let scene = Arc::new(Loaded::clone(&kept.loaded).build(rays)?);
-                kept.times.build = start.elapsed().as_secs_f64();
-                kept.built = Some((how, scene.clone()));
-                scene
-            }
-        };
-        Ok(Ready {
-            loaded: kept.loaded.clone(),
-            scene,
-            times: kept.times,
-            args,
-        })
-    }
 }
 
 impl Scene {
@@ -196,7 +48,7 @@ impl Scene {
         py.detach(|| {
             let mut state = self.state();
             change(&mut state);
-            state.kept = None;
+            state.forget();
         });
     }
 }
@@ -242,20 +94,23 @@ impl Scene {
         };
         let names: Vec<_> = new.iter().map(name).collect();
         let kept = old.into_iter().filter(|word| !names.contains(&name(word)));
-        let fresh = State::new(files, kept.chain(new).collect())?;
+        let mut fresh = State::new(files, kept.chain(new).collect())?;
         self.change(py, |state| {
-            let additions = std::mem::take(&mut state.additions);
-            *state = State { additions, ..fresh };
+            fresh.additions = std::mem::take(&mut state.additions);
+            *state = fresh;
         });
         Ok(())
     }
 
     /// Adds a mesh: `vertices` (N, 3), in the scene's units; `faces` (M, 3), numbers of vertices,
     /// the front counter-clockwise; `normals` (N, 3) or none; `material` as on the command line
-    /// ("clay", "gold", "plastic:0.8,0.1,0.1"); `emission`, radiance in W m^-2 sr^-1, a number or
-    /// red, green, blue, makes it a lamp that shines from its front; `smooth` computes normals
-    /// where none are given. Returns what was repaired, in words.
-    #[pyo3(signature = (vertices, faces, *, material = "clay", normals = None, emission = None, name = None, smooth = false))]
+    /// ("clay", "gold", "plastic:0.8,0.1,0.1"); `texture`, the name of an image file, is the colour
+    /// of a material that names none ("clay", "matte", "plastic", "metal"), and `uvs` (N, 2) say
+    /// where it lies: (0, 0) is its lower left corner, (1, 1) its upper right one, and beyond it
+    /// repeats; `emission`, radiance in W m^-2 sr^-1, a number or red, green, blue, makes it a lamp
+    /// that shines from its front; `smooth` computes normals where none are given. Returns what was
+    /// repaired, in words.
+    #[pyo3(signature = (vertices, faces, *, material = "clay", texture = None, uvs = None, normals = None, emission = None, name = None, smooth = false))]
     #[allow(clippy::too_many_arguments)]
     fn add_mesh(
         &self,
@@ -263,24 +118,33 @@ impl Scene {
         vertices: &Bound<'_, PyAny>,
         faces: &Bound<'_, PyAny>,
         material: &str,
+        texture: Option<PathBuf>,
+        uvs: Option<&Bound<'_, PyAny>>,
         normals: Option<&Bound<'_, PyAny>>,
         emission: Option<&Bound<'_, PyAny>>,
         name: Option<String>,
         smooth: bool,
     ) -> PyResult<Vec<String>> {
-        let paint = material
-            .parse()
-            .map_err(|e| Fault::Value(format!("material: {e}")))?;
+        let paint = additions::paint(material, texture.as_deref(), uvs.is_some())?;
         let emission = emission
             .map(|e| additions::color("emission", e))
             .transpose()?;
-        let (mesh, warnings) = additions::mesh(vertices, faces, normals, smooth)?;
+        let (mesh, warnings) = additions::mesh(
+            &OfVertices {
+                positions: vertices,
+                normals,
+                uvs,
+            },
+            faces,
+            smooth,
+        )?;
         self.change(py, |state| {
             let number = state.additions.len();
             state.additions.push(Addition::Mesh {
                 name: name.unwrap_or_else(|| format!("mesh {number}")),
                 mesh,
                 paint,
+                image: texture,
                 emission,
             });
         });
@@ -306,14 +170,7 @@ impl Scene {
     /// What the scene consists of: "files", "shapes", "triangles", "emitters", "width", "height",
     /// "spp", "max_depth", "warnings".
     fn info(&self, py: Python<'_>) -> PyResult<Py<PyDict>> {
-        let loaded = work::run(py, None, || {
-            work::own_scenes()?;
-            Ok(self
-                .state()
-                .kept(plain(SizeArgs::default()))?
-                .loaded
-                .clone())
-        })?;
+        let loaded = work::run(py, None, || self.state().read())?;
         let of = &loaded.description;
         let info = PyDict::new(py);
         let files = self.files();
@@ -340,46 +197,6 @@ impl Scene {
             format!("<twintree.Scene of {title}, {more} added>")
         })
     }
-}
-
-/// A picture of a size, without the layer of texture coordinates.
-pub fn plain(size: SizeArgs) -> Picture {
-    Picture {
-        size,
-        tells_uvs: false,
-    }
-}
-
-/// Keywords for a scene file: how it is read, and values of its `$names`.
-fn scene_words(options: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<String>> {
-    let Some(options) = options else {
-        return Ok(Vec::new());
-    };
-    let reading = PyDict::new(options.py());
-    let mut list = Vec::new();
-    for (name, value) in options {
-        let name: String = name.extract()?;
-        match (READING.contains(&name.as_str()), name.as_str()) {
-            (true, _) => reading.set_item(name, value)?,
-            (false, "define") => {
-                for (key, value) in value.cast::<PyDict>()? {
-                    list.push(define(&key.extract::<String>()?, &value)?);
-                }
-            }
-            _ => list.push(define(&name, &value)?),
-        }
-    }
-    list.extend(words(Some(&reading))?);
-    Ok(list)
-}
-
-fn define(name: &str, value: &Bound<'_, PyAny>) -> PyResult<String> {
-    // As scene files have it.
-    let text = match value.extract::<bool>() {
-        Ok(flag) => flag.to_string(),
-        Err(_) => value.str()?.extract()?,
-    };
-    Ok(format!("--define={name}={text}"))
 }
 
 /// Reads a scene file (`.xml` of Mitsuba, `.pbrt`) or models (`.ply .obj .stl .gltf .glb`), several
@@ -410,8 +227,7 @@ pub fn load(
     };
     let mut state = State::new(files, keywords)?;
     let state = work::run(py, None, move || {
-        work::own_scenes()?;
-        state.kept(plain(SizeArgs::default()))?;
+        state.read()?;
         Ok(state)
     })?;
     Ok(Scene {

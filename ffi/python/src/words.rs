@@ -77,6 +77,42 @@ pub fn words(keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<String>> {
     Ok(words)
 }
 
+/// Options of the command line that say how files are read: of a scene file, all other keywords are
+/// values for its `$names`.
+const READING: [&str; 3] = ["lenient", "texture_memory", "limit_decoded"];
+
+/// Keywords for a scene file: how it is read, and values of its `$names`.
+pub fn scene_words(options: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<String>> {
+    let Some(options) = options else {
+        return Ok(Vec::new());
+    };
+    let reading = PyDict::new(options.py());
+    let mut list = Vec::new();
+    for (name, value) in options {
+        let name: String = name.extract()?;
+        match (READING.contains(&name.as_str()), name.as_str()) {
+            (true, _) => reading.set_item(name, value)?,
+            (false, "define") => {
+                for (key, value) in value.cast::<PyDict>()? {
+                    list.push(define(&key.extract::<String>()?, &value)?);
+                }
+            }
+            _ => list.push(define(&name, &value)?),
+        }
+    }
+    list.extend(words(Some(&reading))?);
+    Ok(list)
+}
+
+fn define(name: &str, value: &Bound<'_, PyAny>) -> PyResult<String> {
+    // As scene files have it.
+    let text = match value.extract::<bool>() {
+        Ok(flag) => flag.to_string(),
+        Err(_) => value.str()?.extract()?,
+    };
+    Ok(format!("--define={name}={text}"))
+}
+
 /// Reads a command, the words of its keyword arguments last; what is idle among them is logged.
 pub fn read(command: &str, positional: &[OsString], keywords: &[String]) -> Result<Command, Fault> {
     let mut line: Vec<OsString> = vec!["twintree".into(), command.into()];

@@ -160,6 +160,8 @@ def test_meshes_refuse_wrong_arrays(value, raised, said):
     if value is not None:
         with pytest.raises((ValueError, TypeError)):
             scene.add_mesh(vertices, [[0, 1, 2]], normals=value)
+        with pytest.raises((ValueError, TypeError), match="uvs"):
+            scene.add_mesh(vertices, [[0, 1, 2]], uvs=value)
 
 
 def test_meshes_must_hang_together():
@@ -177,8 +179,24 @@ def test_meshes_must_hang_together():
             scene.add_mesh(vertices, faces)
     with pytest.raises(TypeError, match="whole numbers"):
         scene.add_mesh(vertices, [[0.0, 1.0, 2.0]])
+    with pytest.raises(ValueError, match=r"uvs: expected the shape \(N, 2\), not \(3, 3\)"):
+        scene.add_mesh(vertices, [[0, 1, 2]], uvs=vertices)
+    with pytest.raises(ValueError, match="uvs: expected 3 rows, one a vertex, not 4"):
+        scene.add_mesh(vertices, [[0, 1, 2]], uvs=np.zeros((4, 2)))
+    with pytest.raises(ValueError, match=r"uvs\[2\] is not finite: NaN"):
+        scene.add_mesh(vertices, [[0, 1, 2]], uvs=[[0, 0], [0, 1], [0, np.nan]])
     with pytest.raises(ValueError, match="material: there is no material \"gould\""):
         scene.add_mesh(vertices, [[0, 1, 2]], material="gould")
+    uvs = np.zeros((3, 2))
+    for settings, said in [
+        ({"texture": __file__}, "uvs= must say where"),
+        ({"texture": "/none.png", "uvs": uvs}, "/none.png"),
+        ({"texture": __file__, "uvs": uvs}, "test_hostile.py"),
+        ({"texture": __file__, "uvs": uvs, "material": "gold"}, "the colour of gold, only of clay"),
+        ({"texture": __file__, "uvs": uvs, "material": "clay:1,0,0"}, "only of clay"),
+    ]:
+        with pytest.raises(ValueError, match=said):
+            scene.add_mesh(vertices, [[0, 1, 2]], **settings)
     for emission in ([1, 2], [-1, 0, 0], np.nan):
         with pytest.raises(ValueError, match="emission"):
             scene.add_mesh(vertices, [[0, 1, 2]], emission=emission)

@@ -43,6 +43,44 @@ print(scene.render(spp=1, width=64, guide="none").interrupted)
     assert done.returncode == 0
 
 
+def test_ctrl_c_ends_training_with_what_there_is():
+    done = run(
+        """
+scene = twintree.load(SCENE)
+def photons(field):
+    return field.stats["sample_ranges"]["photons"]["taken"][-1]["end"]
+print("begun", flush=True)
+field = scene.train(photons=1_000_000_000, paths=0, width=64)
+more = scene.train(field=field, photons=1000, paths=0, width=64)
+print(field.interrupted, 0 < photons(field) < 1_000_000_000, more.interrupted)
+print(photons(more) - photons(field), scene.render(spp=1, width=16, guide="double", field=field).interrupted)
+""",
+        interrupt_after=2.0,
+    )
+    assert done.stdout.split() == ["begun", "True", "True", "False", "1000", "False"], done.stderr
+    assert done.returncode == 0
+
+
+def test_training_that_has_learned_nothing_is_a_keyboard_interrupt():
+    done = run(
+        """
+scene = twintree.load(SCENE)
+class Bar:
+    def __init__(self, **_):
+        signal.raise_signal(signal.SIGINT)
+    def __getattr__(self, _):
+        return lambda *_: None
+start = scene.train(photons=1000, paths=0, width=64)
+for settings in ({"batches": 1}, {"field": start}):
+    try:
+        scene.train(photons=1_000_000_000, paths=0, width=64, progress=Bar, **settings)
+    except KeyboardInterrupt:
+        print("interrupted")
+"""
+    )
+    assert done.stdout.split() == ["interrupted"] * 2, done.stderr
+
+
 def test_an_exception_of_a_signal_handler_is_raised():
     done = run(
         """

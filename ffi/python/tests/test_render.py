@@ -255,6 +255,59 @@ def test_lamps_of_arrays_light_what_they_should():
     assert seen[..., 0].mean() == pytest.approx(expected, rel=0.01) and seen[..., 1].max() == 0
 
 
+def quadrants(path):
+    """A linear image of 4 x 4 texels: four squares of one colour each. Returns their colours, rows from the top."""
+    colors = np.array([[[0.5, 0.25, 0.125], [0.25, 0.25, 0.5]], [[0.125, 0.5, 0.25], [0.5, 0.5, 0.5]]])
+    texels = colors.repeat(2, axis=0).repeat(2, axis=1)
+    # Radiance HDR: 256 times the value, and an exponent of 0.
+    rows = np.concatenate([texels * 256, np.full((4, 4, 1), 128)], axis=2).astype(np.uint8)
+    path.write_bytes(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 4\n" + rows.tobytes())
+    return colors
+
+
+def seen_from_the_front(texture, uvs, normals=None, **options):
+    """A square that fills the picture, under light straight from the camera that makes its colour its radiance."""
+    scene = twintree.Scene(camera=(0, 0, 5), look_at=(0, 0, 0), fov=2 * np.degrees(np.arctan(1 / 5)), sky="none")
+    corners = [[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]
+    arrays = dict(uvs=uvs, normals=normals, texture=texture, material="matte")
+    assert scene.add_mesh(corners, [[0, 1, 2], [0, 2, 3]], **arrays) == []
+    scene.add_light("directional", direction=(0, 0, -1), irradiance=np.pi)
+    return scene.render(spp=16, width=32, height=32, guide="none", **options)
+
+
+def test_an_image_lies_where_texture_coordinates_say(tmp_path):
+    path = tmp_path / "a.hdr"
+    colors = quadrants(path)
+    uvs = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
+
+    def middles(image):
+        return np.array([[image[y - 2 : y + 2, x - 2 : x + 2].mean(axis=(0, 1)) for x in (8, 24)] for y in (8, 24)])
+
+    picture = seen_from_the_front(path, uvs, aovs="albedo")
+    assert middles(picture["image"]) == pytest.approx(colors, rel=1e-3)
+    assert middles(picture["albedo"]) == pytest.approx(colors, rel=1e-3)
+    # Beyond its edges it repeats; turned coordinates turn it.
+    assert middles(seen_from_the_front(path, uvs + [3, -2])["image"]) == pytest.approx(colors, rel=1e-3)
+    turned = seen_from_the_front(path, uvs[[1, 2, 3, 0]])["image"]
+    assert middles(turned) == pytest.approx(np.rot90(colors, -1), rel=1e-3)
+    # Normals that lean by an angle whose cosine is 0.8 take a fifth of the light.
+    leaning = seen_from_the_front(path, uvs, normals=[[0.6, 0, 0.8]] * 4)["image"]
+    assert middles(leaning) == pytest.approx(0.8 * colors, rel=1e-3)
+
+
+def test_a_mesh_with_an_image_stands_in_a_scene_of_a_file(tmp_path):
+    path = tmp_path / "a.hdr"
+    colors = quadrants(path)
+    scene = twintree.load(CORNELL)
+    # Right before the camera, which stands at z = 4.3.
+    corners = np.array([0, 1, 3.9]) + 0.05 * np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
+    uvs = [[0, 0], [1, 0], [1, 1], [0, 1]]
+    scene.add_mesh(corners, [[0, 1, 2], [0, 2, 3]], material="matte", texture=path, uvs=uvs)
+    albedo = scene.render(spp=4, width=160, guide="none", aovs="albedo")["albedo"]
+    found = {tuple(np.round(a, 3)) for a in albedo.reshape(-1, 3)}
+    assert {tuple(c) for c in colors.reshape(-1, 3)} <= found
+
+
 def test_glb_models_need_no_scene():
     models = sorted(Path(SCENES).rglob("*.glb")) + sorted(Path(SCENES).rglob("*.ply"))
     if not models:

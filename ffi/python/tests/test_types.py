@@ -19,6 +19,20 @@ def test_the_types_are_those_of_the_command_lines_options():
     assert made.stdout == there, "stub.py makes others: write them anew"
 
 
+#: Names of the types that stand for types alone, and one that no compiled module needs to tell.
+TYPES_ALONE = ["Floats", "Incident", "Numbers", "Option", "Path", "__all__"]
+
+
+def test_the_types_are_those_of_the_compiled_module(tmp_path):
+    # Names, arguments with their order, kinds and defaults, properties and classes, both ways.
+    pytest.importorskip("mypy")
+    allowed = tmp_path / "allowed"
+    allowed.write_text("\n".join(rf"twintree\._native\.{name}" for name in TYPES_ALONE))
+    command = [sys.executable, "-m", "mypy.stubtest", "twintree._native", "--allowlist", allowed]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+
+
 def test_everything_public_is_documented():
     for name in twintree.__all__:
         found = getattr(twintree, name)

@@ -11,7 +11,7 @@ use super::subject::Subject;
 use super::{backends, rate};
 use crate::accel::{self, Backend, BuildSettings, World};
 use crate::cli::budget::{self, Load};
-use crate::cli::load::Input;
+use crate::cli::input::Input;
 use crate::cli::make::{SHAPES, check_size};
 use crate::cli::ray_args::AccelBuild;
 use crate::cli::scene_args::{ReadArgs, SceneArgs};

@@ -2,6 +2,7 @@
 
 use crate::accel::{Backend, BuildSettings, World};
 use crate::camera::CameraDescription;
+use crate::cli::input::Input;
 use crate::cli::scene_args::SceneArgs;
 use crate::cli::{Failure, load, threads};
 use crate::scene::Scene;
@@ -29,7 +30,7 @@ impl Subject {
     /// # Errors
     /// When a file cannot be used.
     pub fn load(args: &SceneArgs) -> Result<Self, Failure> {
-        let named = load::Input::of(args)?;
+        let named = Input::of(args)?;
         let mut description = load::load_unlit(args, &named)?.description;
         let world = world_of(&description, &description.materials);
         let triangles = crate::report::totals::triangles(&description);

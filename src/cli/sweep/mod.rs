@@ -18,7 +18,7 @@ use self::child::Outcome;
 use self::plan::SceneTraits;
 use self::runs::{Ended, Watch, go_through};
 use self::schedule::{file, order, words_of};
-use super::load::Input;
+use super::input::Input;
 use super::waiting::Waiting;
 use super::{Failure, console, load, output, targets};
 use crate::image::Image;

@@ -3,7 +3,8 @@
 use super::args::{Extras, Method, Table1Args};
 use crate::camera::Camera;
 use crate::cli::guide_args::REUSE;
-use crate::cli::load::{self, Input, Loaded};
+use crate::cli::input::Input;
+use crate::cli::load::{self, Loaded};
 use crate::cli::picture_args::SizeArgs;
 use crate::cli::scene_args::SceneArgs;
 use crate::cli::{Failure, settings};

@@ -1,6 +1,7 @@
 //! Files with one image: the numbers as they are stored, and as others want them.
 
 use super::super::header::{Header, Level};
+use super::super::read_rows::ReadRows;
 use super::super::{Channel, PixelType, promise, regular};
 use super::stored::{Shape, Stored};
 use super::{jpeg_reader, png_reader, radiance};
@@ -61,7 +62,7 @@ impl Format {
 
 /// A file with one image.
 #[derive(Debug)]
-pub struct Input {
+struct Input {
     path: PathBuf,
     format: Format,
     shape: Shape,
@@ -69,47 +70,42 @@ pub struct Input {
     decoded: Option<Stored>,
 }
 
+/// Reads the header of a file. The error is the reason alone.
+pub fn open(path: &Path, format: Format) -> Result<Box<dyn ReadRows>, String> {
+    let file = regular::open(path).map_err(|e| e.to_string())?;
+    let size = file.metadata().map_err(|e| e.to_string())?.len();
+    let shape = format.shape(&mut BufReader::new(file))?;
+    let Level { width, height } = shape.level;
+    if width == 0 || height == 0 {
+        return Err(format!("its header promises {width} x {height} pixels"));
+    }
+    promise::numbers(shape.level, shape.channels, (size, format.name()))?;
+    // OpenImageIO's names.
+    let names: &[&str] = match shape.channels {
+        1 => &["Y"],
+        2 => &["Y", "A"],
+        3 => &["R", "G", "B"],
+        _ => &["R", "G", "B", "A"],
+    };
+    let header = Header {
+        level: shape.level,
+        window: None,
+        channels: names.iter().map(|&name| Channel::new(name)).collect(),
+        pixel_type: shape.pixel_type,
+        tile_height: 0,
+        attributes: Vec::new(),
+        format: format.name().into(),
+    };
+    Ok(Box::new(Input {
+        path: path.to_owned(),
+        format,
+        shape,
+        header,
+        decoded: None,
+    }))
+}
+
 impl Input {
-    /// Reads the header of a file. The error is the reason alone.
-    pub fn open(path: &Path, format: Format) -> Result<Self, String> {
-        let file = regular::open(path).map_err(|e| e.to_string())?;
-        let size = file.metadata().map_err(|e| e.to_string())?.len();
-        let shape = format.shape(&mut BufReader::new(file))?;
-        let Level { width, height } = shape.level;
-        if width == 0 || height == 0 {
-            return Err(format!("its header promises {width} x {height} pixels"));
-        }
-        promise::numbers(shape.level, shape.channels, (size, format.name()))?;
-        // OpenImageIO's names.
-        let names: &[&str] = match shape.channels {
-            1 => &["Y"],
-            2 => &["Y", "A"],
-            3 => &["R", "G", "B"],
-            _ => &["R", "G", "B", "A"],
-        };
-        let header = Header {
-            level: shape.level,
-            window: None,
-            channels: names.iter().map(|&name| Channel::new(name)).collect(),
-            pixel_type: shape.pixel_type,
-            tile_height: 0,
-            attributes: Vec::new(),
-            format: format.name().into(),
-        };
-        Ok(Self {
-            path: path.to_owned(),
-            format,
-            shape,
-            header,
-            decoded: None,
-        })
-    }
-
-    /// What the file says.
-    pub fn header(&self) -> &Header {
-        &self.header
-    }
-
     fn decoded(&mut self) -> Result<&Stored, String> {
         if self.decoded.is_none() {
             let file = regular::open(&self.path).map_err(|e| e.to_string())?;
@@ -123,9 +119,18 @@ impl Input {
             .as_ref()
             .ok_or_else(|| "it has no image".into())
     }
+}
 
-    /// Reads rows of some channels as numbers of that type.
-    pub fn rows(
+impl ReadRows for Input {
+    fn seek(&mut self, part: u32, level: u32) -> Result<bool, String> {
+        Ok(part == 0 && level == 0)
+    }
+
+    fn header(&self) -> Result<Header, String> {
+        Ok(self.header.clone())
+    }
+
+    fn rows(
         &mut self,
         rows: Range<u32>,
         channels: Range<usize>,

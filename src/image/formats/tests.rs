@@ -25,28 +25,25 @@ fn file(name: &str, bytes: &[u8]) -> (tempfile::TempDir, PathBuf) {
 
 type Whole = (Header, Vec<f32>);
 
-macro_rules! whole {
-    ($input:ty, $path:expr) => {{
-        let mut input = <$input>::open($path)?;
-        let header = input.header()?;
-        let rows = 0..header.level.height;
-        let channels = 0..header.channels.len();
-        let numbers = header.level.width as usize * rows.len() * channels.len();
-        let mut pixels = vec![0.0f32; numbers];
-        let data = bytemuck::cast_slice_mut(&mut pixels);
-        input.rows(rows, channels, PixelType::Float, data)?;
-        Ok((header, pixels))
-    }};
+fn whole(mut input: Box<dyn ReadRows>) -> Result<Whole, String> {
+    let header = input.header()?;
+    let rows = 0..header.level.height;
+    let channels = 0..header.channels.len();
+    let numbers = header.level.width as usize * rows.len() * channels.len();
+    let mut pixels = vec![0.0f32; numbers];
+    let data = bytemuck::cast_slice_mut(&mut pixels);
+    input.rows(rows, channels, PixelType::Float, data)?;
+    Ok((header, pixels))
 }
 
 /// Reads a file by the crates.
 fn ours(path: &Path) -> Result<Whole, String> {
-    whole!(Input, path)
+    whole(open(path)?)
 }
 
 #[cfg(feature = "oiio")]
 fn theirs(path: &Path) -> Result<Whole, String> {
-    whole!(crate::image::oiio::input::Input, path)
+    whole(crate::image::oiio::input::open(path)?)
 }
 
 /// Reads a file by the crates, and where this build has OpenImageIO holds that against what it

@@ -2,13 +2,15 @@
 
 use super::{Reason, c_path, copied, ffi, type_number};
 use crate::image::header::{Header, Level, Window};
+use crate::image::read_rows::ReadRows;
 use crate::image::{Attribute, AttributeValue, Channel, PixelType};
+use std::ops::Range;
 use std::path::Path;
 use std::ptr::{self, NonNull};
 
 /// An open image file.
 #[derive(Debug)]
-pub struct Input(NonNull<ffi::Input>);
+struct Input(NonNull<ffi::Input>);
 
 // SAFETY: an ImageInput may be used by any thread, one at a time (`&mut self`, or reads of its
 // spec).
@@ -21,37 +23,21 @@ impl Drop for Input {
     }
 }
 
+/// Opens a file. The error is the reason alone.
+pub fn open(path: &Path) -> Result<Box<dyn ReadRows>, String> {
+    ffi::load()?;
+    let name = c_path(path)?;
+    let (mut input, mut reason) = (ptr::null_mut(), Reason::new());
+    // SAFETY: `name` is zero-terminated, `input` and `reason` outlive the call.
+    let bad =
+        unsafe { ffi::twt_input_open(name.as_ptr(), &mut input, reason.pointer(), reason.len()) };
+    match NonNull::new(input) {
+        Some(p) if bad == 0 => Ok(Box::new(Input(p))),
+        _ => Err(reason.text()),
+    }
+}
+
 impl Input {
-    /// Opens a file. The error is the reason alone.
-    pub fn open(path: &Path) -> Result<Self, String> {
-        ffi::load()?;
-        let name = c_path(path)?;
-        let (mut input, mut reason) = (ptr::null_mut(), Reason::new());
-        // SAFETY: `name` is zero-terminated, `input` and `reason` outlive the call.
-        let bad = unsafe {
-            ffi::twt_input_open(name.as_ptr(), &mut input, reason.pointer(), reason.len())
-        };
-        match NonNull::new(input) {
-            Some(p) if bad == 0 => Ok(Self(p)),
-            _ => Err(reason.text()),
-        }
-    }
-
-    /// Goes to a part and mip level; false if there is none.
-    pub fn seek(&mut self, part: u32, level: u32) -> Result<bool, String> {
-        let mut reason = Reason::new();
-        let (part, level) = (part.min(1 << 20) as i32, level.min(64) as i32);
-        // SAFETY: the input is open, `reason` outlives the call.
-        let bad = unsafe {
-            ffi::twt_input_seek(self.0.as_ptr(), part, level, reason.pointer(), reason.len())
-        };
-        match (bad, reason.text()) {
-            (0, _) => Ok(true),
-            (_, why) if why.is_empty() => Ok(false),
-            (_, why) => Err(why),
-        }
-    }
-
     fn info(&self) -> Result<ffi::Info, String> {
         let mut info = ffi::Info {
             width: 0,
@@ -81,8 +67,47 @@ impl Input {
         Ok(info)
     }
 
-    /// Size, channels and attributes of the current part.
-    pub fn header(&self) -> Result<Header, String> {
+    fn attribute(&self, index: i32) -> Option<Attribute> {
+        let mut a = ffi::Attribute {
+            name: ptr::null(),
+            kind: 0,
+            integer: 0,
+            real: 0.0,
+            text: ptr::null(),
+        };
+        // SAFETY: the input is open, `a` outlives the call.
+        if unsafe { ffi::twt_input_attribute(self.0.as_ptr(), index, &mut a) } != 0 {
+            return None;
+        }
+        let value = match a.kind {
+            ffi::TEXT => AttributeValue::Text(copied(a.text)),
+            ffi::INT => AttributeValue::Int(a.integer),
+            ffi::REAL => AttributeValue::Float(a.real),
+            _ => return None,
+        };
+        Some(Attribute {
+            name: copied(a.name),
+            value,
+        })
+    }
+}
+
+impl ReadRows for Input {
+    fn seek(&mut self, part: u32, level: u32) -> Result<bool, String> {
+        let mut reason = Reason::new();
+        let (part, level) = (part.min(1 << 20) as i32, level.min(64) as i32);
+        // SAFETY: the input is open, `reason` outlives the call.
+        let bad = unsafe {
+            ffi::twt_input_seek(self.0.as_ptr(), part, level, reason.pointer(), reason.len())
+        };
+        match (bad, reason.text()) {
+            (0, _) => Ok(true),
+            (_, why) if why.is_empty() => Ok(false),
+            (_, why) => Err(why),
+        }
+    }
+
+    fn header(&self) -> Result<Header, String> {
         let info = self.info()?;
         let type_of = |number| match number {
             0 => PixelType::U8,
@@ -130,36 +155,11 @@ impl Input {
         })
     }
 
-    fn attribute(&self, index: i32) -> Option<Attribute> {
-        let mut a = ffi::Attribute {
-            name: ptr::null(),
-            kind: 0,
-            integer: 0,
-            real: 0.0,
-            text: ptr::null(),
-        };
-        // SAFETY: the input is open, `a` outlives the call.
-        if unsafe { ffi::twt_input_attribute(self.0.as_ptr(), index, &mut a) } != 0 {
-            return None;
-        }
-        let value = match a.kind {
-            ffi::TEXT => AttributeValue::Text(copied(a.text)),
-            ffi::INT => AttributeValue::Int(a.integer),
-            ffi::REAL => AttributeValue::Float(a.real),
-            _ => return None,
-        };
-        Some(Attribute {
-            name: copied(a.name),
-            value,
-        })
-    }
-
-    /// Reads rows `y0..y1` of channels `c0..c1` as `pixel_type` into `data`, whose size must fit
-    /// (the shim checks).
-    pub fn rows(
+    /// The shim checks that `data` has the right size.
+    fn rows(
         &mut self,
-        rows: std::ops::Range<u32>,
-        channels: std::ops::Range<usize>,
+        rows: Range<u32>,
+        channels: Range<usize>,
         pixel_type: PixelType,
         data: &mut [u8],
     ) -> Result<(), String> {

@@ -5,6 +5,7 @@ use super::record::{PathRecords, TrainingSamples};
 use crate::camera::CameraRay;
 use crate::integrate::context::{PathContext, View};
 use crate::integrate::guiding::Guidance;
+use crate::integrate::progress::Stop;
 use crate::integrate::settings::PathSettings;
 use crate::integrate::wave::{LONG, Wave};
 use crate::math::{PathSampler, Vec2};
@@ -16,12 +17,14 @@ const WAVE_PATHS: u64 = 4096;
 
 /// Traces camera paths, in waves side by side; the training samples of each, in order. Path `i` of
 /// a film of n pixels looks through a pixel of its own, so that a long enough run covers the film
-/// evenly. No path is endless: there is no image whose mean that could change.
+/// evenly. No path is endless: there is no image whose mean that could change. `None` if it was
+/// stopped.
 pub(super) fn training_samples(
     view: &View,
     guide: Option<Guidance>,
     range: Range<u64>,
-) -> Vec<TrainingSamples> {
+    stop: Stop,
+) -> Option<Vec<TrainingSamples>> {
     let starts: Vec<u64> = range.clone().step_by(WAVE_PATHS as usize).collect();
     let settings = PathSettings {
         max_depth: view.settings.max_depth.min(LONG),
@@ -35,6 +38,9 @@ pub(super) fn training_samples(
     starts
         .par_iter()
         .map_init(<(Wave, PathRecords)>::default, |(wave, records), &from| {
+            if stop() {
+                return None;
+            }
             wave.clear();
             for i in from..(from + WAVE_PATHS).min(range.end) {
                 let (ray, sampler) = training_ray(view, i);
@@ -44,7 +50,7 @@ pub(super) fn training_samples(
             let radiances = wave.trace(&context, records);
             add_traced(WAVE_PATHS.min(range.end - from));
             records.conclude(radiances, &mut training_samples);
-            training_samples
+            Some(training_samples)
         })
         .collect()
 }

@@ -11,11 +11,12 @@ use super::settings::LearnSettings;
 use crate::guide::{FieldFile, GuideError, Numbers, SampleRanges, Settings, Source};
 use crate::integrate::context::View;
 use crate::integrate::guiding::Guide;
+use crate::integrate::progress::Stop;
 use crate::photon::PhotonCounts;
 use std::ops::Range;
 
-/// Photons or paths that are held at a time.
-const PIECE: u64 = 1 << 20;
+/// Photons or paths that are held at a time, and lost where learning is stopped.
+const PIECE: u64 = 1 << 18;
 
 /// Further records: how many, and which of them here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,7 +72,7 @@ pub fn to_file(
     let sample_ranges = SampleRanges {
         recipe: recipe(view, settings),
         photons: all(learned.counts.emitted),
-        paths: all(settings.paths),
+        paths: all(learned.paths),
         unrefined: false,
     };
     let guide = &learned.guide;
@@ -103,7 +104,7 @@ pub fn check_scene(field: &Settings, scene_hash: u64) -> Result<(), GuideError> 
 }
 
 /// Learns from further records over the structure of `base`: those that follow the records that it
-/// knows.
+/// knows, all of them or as many as there are when it is stopped.
 ///
 /// # Errors
 /// When the records would be made differently from those of the base.
@@ -112,6 +113,7 @@ pub fn extend(
     settings: &LearnSettings,
     base: &FieldFile,
     more: &More,
+    stop: Stop,
 ) -> Result<(FieldFile, PhotonCounts), GuideError> {
     let recipe = recipe(view, settings);
     if recipe != base.sample_ranges.recipe {
@@ -130,44 +132,55 @@ pub fn extend(
     // These records shape nothing and are no batch: cut in any way, they count the same.
     let batches = file.trainer.intakes().batches;
     file.trainer.keep_at_most(0);
+    let (ranges, known) = (&mut file.sample_ranges, &base.sample_ranges);
     if source != Source::Paths {
-        let numbers = take(
-            &mut file.sample_ranges.photons,
-            &base.sample_ranges.photons,
-            more,
-            more.photons,
-        );
-        for piece in pieces(numbers) {
+        let first = known.photons.next();
+        take(&mut ranges.photons, more, (first, more.photons), |piece| {
             let emitted = piece.end - piece.start;
-            let (landed, traced) = trace_batch(view.scene, settings, piece);
+            let (landed, traced) = trace_batch((view.scene, settings), piece, stop)?;
             counts += traced;
             file.trainer.train_on_photons(landed, emitted);
-        }
+            Some(())
+        });
     }
     if source != Source::Photons {
         let guide = to_guide(base);
-        let numbers = take(
-            &mut file.sample_ranges.paths,
-            &base.sample_ranges.paths,
-            more,
-            more.paths,
-        );
-        for piece in pieces(numbers) {
-            let training_samples = training_samples(view, Some((&guide).into()), piece);
+        let first = known.paths.next();
+        take(&mut ranges.paths, more, (first, more.paths), |piece| {
+            let guide = Some((&guide).into());
+            let training_samples = training_samples(view, guide, piece, stop)?;
             let samples = training_samples.into_iter().map(|l| l.samples).collect();
             file.trainer.train_paths(samples);
-        }
+            Some(())
+        });
     }
     file.trainer.conclude(batches);
     Ok((file, counts))
 }
 
-/// Enters the numbers of further records into a ledger; which they are.
-fn take(into: &mut Numbers, base: &Numbers, more: &More, count: u64) -> Range<u64> {
-    let first = base.next();
+/// Learns piece by piece from `count` records that begin at number `first`, or from a share of
+/// them, until `learn` is stopped, and enters their numbers into a ledger.
+fn take(
+    into: &mut Numbers,
+    more: &More,
+    (first, count): (u64, u64),
+    mut learn: impl FnMut(Range<u64>) -> Option<()>,
+) {
     let numbers = more.range(first, count);
-    into.join(&Numbers::new(numbers.clone(), first..first + count));
-    numbers
+    let mut taken = numbers.start..numbers.start;
+    for piece in pieces(numbers) {
+        let end = piece.end;
+        if learn(piece).is_none() {
+            break;
+        }
+        taken.end = end;
+    }
+    // What a share has not taken when it is stopped is missing: the numbers behind it are others'.
+    let planned = match more.share {
+        Some(_) => first + count,
+        None => taken.end,
+    };
+    into.join(&Numbers::new(taken, first..planned));
 }
 
 fn pieces(range: Range<u64>) -> impl Iterator<Item = Range<u64>> {

@@ -58,7 +58,8 @@ pub fn met_by(view: &View, paths: u64) -> Vec<SurfacePoint> {
         settings: &settings,
         ..*view
     };
-    let waves = training_samples(&view, None, 0..paths).into_iter();
+    let waves = training_samples(&view, None, 0..paths, &|| false);
+    let waves = waves.into_iter().flatten();
     waves
         .flat_map(|wave| wave.samples)
         .map(|s| SurfacePoint {

@@ -25,6 +25,7 @@ use crate::guide::{
 };
 use crate::integrate::context::View;
 use crate::integrate::guiding::{Guidance, Guide};
+use crate::integrate::progress::Stop;
 use crate::photon::PhotonCounts;
 use crate::photon::schedule::doubling;
 use crate::scene::Scene;
@@ -51,6 +52,8 @@ pub struct Learned {
     pub guide: Guide,
     /// What became of the photons.
     pub counts: PhotonCounts,
+    /// Camera paths that taught.
+    pub paths: u64,
     /// The trees with their sums: what learning further and keeping the field take.
     pub trainer: Trainer,
     /// The trees in numbers.
@@ -81,8 +84,12 @@ impl Learner {
     /// # Errors
     /// When the scene's bounds are empty or a setting is out of range.
     pub fn new(view: &View, settings: &LearnSettings) -> Result<Self, GuideError> {
+        Self::until(view, settings, &|| false)
+    }
+
+    fn until(view: &View, settings: &LearnSettings, stop: Stop) -> Result<Self, GuideError> {
         Self::begin(view, settings, |look, begun| {
-            Method::double(view, settings, look, begun)
+            Method::double(view, settings, look, begun, stop)
         })
     }
 
@@ -273,13 +280,29 @@ impl Learner {
 /// # Errors
 /// When the scene's bounds are empty or a setting is out of range.
 pub fn learn(view: &View, settings: &LearnSettings) -> Result<Learned, GuideError> {
+    learn_until(view, settings, &|| false)
+}
+
+/// The same until it is stopped: what it knows then comes from the first photons and paths, and none
+/// of them is left out.
+///
+/// # Errors
+/// As [`learn`].
+pub fn learn_until(
+    view: &View,
+    settings: &LearnSettings,
+    stop: Stop,
+) -> Result<Learned, GuideError> {
     let start = Instant::now();
-    let mut learner = Learner::new(view, settings)?;
-    for paths in doubling(settings.paths, settings.batches) {
+    let mut learner = Learner::until(view, settings, stop)?;
+    'batches: for paths in doubling(settings.paths, settings.batches) {
         let mut from = paths.start;
         while from < paths.end {
             let to = (from + learner.most_training_paths()).min(paths.end);
-            let mut training_samples = training_samples(view, Some(learner.guide()), from..to);
+            let guide = Some(learner.guide());
+            let Some(mut training_samples) = training_samples(view, guide, from..to, stop) else {
+                break 'batches;
+            };
             learner.take(&mut training_samples, to - from);
             from = to;
         }
@@ -291,6 +314,7 @@ pub fn learn(view: &View, settings: &LearnSettings) -> Result<Learned, GuideErro
     Ok(Learned {
         stats,
         counts,
+        paths: learner.taught,
         guide: double.guide,
         trainer: double.trainer,
         elapsed: start.elapsed(),

@@ -10,6 +10,7 @@ use crate::guide::{FractionRecord, GuideError, PathSample, Stats, Trainer};
 use crate::integrate::context::View;
 use crate::integrate::guiding::{Guidance, Guide};
 use crate::integrate::manifold::{ManifoldSampling, find_chains};
+use crate::integrate::progress::Stop;
 use crate::math::Vec3;
 use crate::photon::PhotonCounts;
 use crate::scene::Scene;
@@ -44,6 +45,7 @@ impl Method {
         settings: &LearnSettings,
         (look, effort): (&Look, Effort),
         begun: Instant,
+        stop: Stop,
     ) -> Result<Self, GuideError> {
         let mut trainer = prepare(view.scene, settings)?;
         if !settings.photons.is_none() {
@@ -54,7 +56,7 @@ impl Method {
             true => Portion::First,
             false => Portion::All,
         };
-        photons.teach(view.scene, settings, &mut trainer, helping, begun);
+        photons.teach((view.scene, settings), &mut trainer, helping, begun, stop);
         let mut guide = Guide::new(trainer.freeze()).with_mixture(settings.mixture);
         guide.manifold = find_chains(view, settings.photons).map(ManifoldSampling::new);
         Ok(Self::Double(Box::new(Double {
@@ -147,7 +149,7 @@ impl Method {
             guide,
             photons,
         } = &mut **double;
-        photons.teach(scene, settings, trainer, Portion::All, begun);
+        photons.teach((scene, settings), trainer, Portion::All, begun, &|| false);
         guide.renew(trainer.freeze(), settings.mixture);
     }
 

@@ -61,7 +61,9 @@ pub fn learn_mixtures(
     let mut counts = PhotonCounts::default();
     for numbers in batches(photons, count) {
         let emitted = numbers.end - numbers.start;
-        let (landed, batch) = trace_batch(view.scene, settings, numbers);
+        let Some((landed, batch)) = trace_batch((view.scene, settings), numbers, &|| false) else {
+            break;
+        };
         counts += batch;
         let mut landed = landed.concat();
         landed.retain(|photon| photon.normal != Vec3::ZERO);

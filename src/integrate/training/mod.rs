@@ -17,6 +17,6 @@ mod settings;
 pub mod trial;
 
 pub use count::{expected, traced};
-pub use learner::{Learned, Learner, garbage, garbage_sd_tree, learn};
+pub use learner::{Learned, Learner, garbage, garbage_sd_tree, learn, learn_until};
 pub(super) use passes::train_passes;
 pub use settings::LearnSettings;

@@ -8,6 +8,7 @@ use super::count::{add_traced, expect_photons};
 use super::effort::{self, Effort};
 use super::settings::LearnSettings;
 use crate::guide::{BATCH, GuideError, Photon, Settings, Source, SurfacePoint, Trainer};
+use crate::integrate::progress::Stop;
 use crate::photon::schedule::{Budget, Experience, Schedule, part};
 use crate::photon::wave::PhotonWave;
 use crate::photon::{Landing, PhotonCounts};
@@ -63,14 +64,15 @@ impl PhotonTraining {
         }
     }
 
-    /// Teaches, until photons are no longer worth what they cost. `begun` is when learning began.
+    /// Teaches, until photons are no longer worth what they cost, or nobody wants more: what is
+    /// being traced then is lost. `begun` is when learning began.
     pub fn teach(
         &mut self,
-        scene: &Scene,
-        settings: &LearnSettings,
+        (scene, settings): (&Scene, &LearnSettings),
         trainer: &mut Trainer,
         helping: Portion,
         begun: Instant,
+        stop: Stop,
     ) {
         let share = effort::PHOTONS[usize::from(helping == Portion::All)];
         self.schedule.open(share);
@@ -80,7 +82,10 @@ impl PhotonTraining {
             while !photons.is_empty() {
                 let room = room(settings, trainer.bytes()) / LANDING_BYTES;
                 let part = part(&mut photons, self.landings, room.min(BATCH));
-                gain += self.learn_from(scene, settings, trainer, part);
+                let Some(landed) = trace_batch((scene, settings), part.clone(), stop) else {
+                    return;
+                };
+                gain += self.learn_from(landed, part.end - part.start, trainer);
             }
             let landings = self.landings - before;
             let cost = effort::photons(self.counts.emitted - landed_before, landings);
@@ -94,16 +99,9 @@ impl PhotonTraining {
         }
     }
 
-    /// Learns from a part of a batch; what refining gained by it.
-    fn learn_from(
-        &mut self,
-        scene: &Scene,
-        settings: &LearnSettings,
-        trainer: &mut Trainer,
-        part: Range<u64>,
-    ) -> f64 {
-        let emitted = part.end - part.start;
-        let (landed, batch) = trace_batch(scene, settings, part);
+    /// Learns from a part of a batch, of so many photons; what refining gained by it.
+    fn learn_from(&mut self, part: Landed, emitted: u64, trainer: &mut Trainer) -> f64 {
+        let (landed, batch) = part;
         self.counts += batch;
         let count = landed.iter().map(|l| l.len() as u64).sum::<u64>();
         self.landings += count;
@@ -169,16 +167,23 @@ pub(super) fn prepare(scene: &Scene, settings: &LearnSettings) -> Result<Trainer
     Ok(trainer)
 }
 
-/// Traces a batch, in waves side by side; the landings of each, in photon order.
+/// The landings of photons, wave by wave, and what became of all of them.
+pub(super) type Landed = (Vec<Vec<Photon>>, PhotonCounts);
+
+/// Traces a batch, in waves side by side; the landings of each, in photon order. `None` if it was
+/// stopped.
 pub(super) fn trace_batch(
-    scene: &Scene,
-    settings: &LearnSettings,
+    (scene, settings): (&Scene, &LearnSettings),
     range: Range<u64>,
-) -> (Vec<Vec<Photon>>, PhotonCounts) {
+    stop: Stop,
+) -> Option<Landed> {
     let starts: Vec<u64> = range.clone().step_by(WAVE_PHOTONS as usize).collect();
-    let waves: Vec<_> = starts
+    let waves: Option<Vec<_>> = starts
         .par_iter()
         .map_init(PhotonWave::default, |wave, &from| {
+            if stop() {
+                return None;
+            }
             let mut landed = Vec::new();
             let to = (from + WAVE_PHOTONS).min(range.end);
             let counts = wave.trace(scene, &settings.photon, from..to, &mut |l: Landing| {
@@ -195,11 +200,11 @@ pub(super) fn trace_batch(
             });
             landed.shrink_to_fit();
             add_traced(to - from);
-            (landed, counts)
+            Some((landed, counts))
         })
         .collect();
-    let (landed, counts): (Vec<_>, Vec<_>) = waves.into_iter().unzip();
+    let (landed, counts): (Vec<_>, Vec<_>) = waves?.into_iter().unzip();
     let mut sum = PhotonCounts::default();
     counts.into_iter().for_each(|wave| sum += wave);
-    (landed, sum)
+    Some((landed, sum))
 }

@@ -1,7 +1,7 @@
 """The compiled part of twintree. Made by stub.py: change that."""
 
 import os
-from typing import Any, Literal, Mapping, Optional, Sequence, TypedDict, Union
+from typing import Any, Literal, Optional, Sequence, TypedDict, Union, final
 
 import numpy as np
 import numpy.typing as npt
@@ -31,6 +31,7 @@ class Option(TypedDict):
     values: list[str]
     default: Optional[str]
 
+@final
 class Render:
     """What came of a render: `render["image"]` is the picture, (H, W, 3) float32, linear sRGB, rows from the top."""
 
@@ -43,8 +44,8 @@ class Render:
     @property
     def interrupted(self) -> bool:
         """Whether Ctrl-C has ended it before its limit."""
-    def __getitem__(self, name: str) -> Floats: ...
-    def __contains__(self, name: str) -> bool: ...
+    def __getitem__(self, name: str, /) -> Floats: ...
+    def __contains__(self, name: str, /) -> bool: ...
     def save(
         self,
         path: Path,
@@ -62,6 +63,7 @@ class Render:
             view: How .png and .jpg show light, which has no upper limit as they have [default: srgb]
         """
 
+@final
 class Field:
     """A learned field of where light comes from."""
 
@@ -73,6 +75,9 @@ class Field:
     @property
     def stats(self) -> dict[str, Any]:
         """What is in it: the keys of `twintree field --json`."""
+    @property
+    def interrupted(self) -> bool:
+        """Whether Ctrl-C has ended its training before all records had taught."""
     @property
     def bounds(self) -> tuple[list[float], list[float]]:
         """Lower and upper corner of what it covers, in the scene's units."""
@@ -106,11 +111,12 @@ class Field:
     ) -> Floats:
         """Light that arrives at `positions` (N, 3), W/m^2: (N, 3)."""
 
+@final
 class Scene:
     """A scene: shapes, materials, lights and a camera. Empty until meshes and lights are added."""
 
-    def __init__(
-        self,
+    def __new__(
+        cls,
         *,
         camera: Optional[Union[Sequence[float], str]] = None,
         look_at: Optional[Union[Sequence[float], str]] = None,
@@ -128,7 +134,7 @@ class Scene:
         lenient: Optional[bool] = None,
         texture_memory: Optional[Union[int, str]] = None,
         limit_decoded: Optional[Union[int, str]] = None,
-    ) -> None:
+    ) -> Scene:
         """An empty scene, and what is around the meshes that it will have.
 
             camera: Camera: orbit:AZIMUTH,ELEVATION in degrees, from:X,Y,Z, or the name or number of a glTF
@@ -168,12 +174,15 @@ class Scene:
         faces: Numbers,
         *,
         material: str = "clay",
+        texture: Optional[Path] = None,
+        uvs: Optional[Numbers] = None,
         normals: Optional[Numbers] = None,
         emission: Optional[Numbers] = None,
         name: Optional[str] = None,
         smooth: bool = False,
     ) -> list[str]:
-        """Adds a mesh of `vertices` (N, 3) and `faces` (M, 3); returns what was repaired, in words."""
+        """Adds a mesh of `vertices` (N, 3) and `faces` (M, 3), with `normals` (N, 3) and `uvs` (N, 2), which say
+        where the image `texture` lies; returns what was repaired, in words."""
     def add_light(self, kind: Literal["point", "spot", "directional", "constant"], **settings: Numbers) -> None:
         """Adds a lamp without a body: point (position, intensity), spot (position, target, intensity, cutoff,
         beam), directional (direction, irradiance), constant (radiance)."""
@@ -309,7 +318,7 @@ class Scene:
         accel: Optional[Literal['embree', 'embree:robust', 'obvhs']] = None,
         accel_build: Optional[Literal['fast', 'balanced', 'compact', 'high']] = None,
     ) -> Field:
-        """Learns where light comes from.
+        """Learns where light comes from. Ctrl-C ends it with what has been learned.
 
             field: learn further over the structure of this one
             shard: Learn from a share of these records, 0/4 to 3/4, into a field for "twintree merge-fields"
@@ -361,10 +370,11 @@ class Scene:
             direct: Include light straight from emitters, which next-event estimation finds without a field
         """
 
+@final
 class Trainer:
     """A field that learns from records of your own, over the box from `min` to `max`."""
 
-    def __init__(self, min: Numbers, max: Numbers, **settings: Any) -> None: ...
+    def __new__(cls, min: Numbers, max: Numbers, **settings: Any) -> Trainer: ...
     def set_surface(self, positions: Numbers, area: float, normals: Optional[Numbers] = None) -> None:
         """Tells where surfaces are: points (N, 3), uniform over all of the `area`."""
     def train(

@@ -31,7 +31,7 @@ fn the_content_decides_and_not_the_name() {
         let named = dir.path().join("a.exr");
         std::fs::write(&named, bytes).unwrap();
         assert_eq!(ours(&named).unwrap().1, ours(&path).unwrap().1);
-        let mut input = Input::open(&named).unwrap();
+        let mut input = open(&named).unwrap();
         let found = [(0, 0), (1, 0), (0, 1)].map(|(part, level)| input.seek(part, level));
         assert_eq!(found, [Ok(true), Ok(false), Ok(false)], "it has one image");
     }
@@ -43,7 +43,7 @@ fn the_content_decides_and_not_the_name() {
     let parts = [&first, &second].map(|image| (image, vec![PixelType::Half]));
     let named = dir.path().join("a.png");
     openexr::write(&named, &parts, &WriteOptions::default()).unwrap();
-    let mut input = Input::open(&named).unwrap();
+    let mut input = open(&named).unwrap();
     assert_eq!((input.seek(1, 0), input.seek(2, 0)), (Ok(true), Ok(false)));
     assert_eq!(input.header().unwrap().level.width, 5);
 }
@@ -100,7 +100,7 @@ fn a_header_that_promises_too_much_is_refused_before_anything_is_decoded() {
     let hdr = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 60000 +X 60000\n".to_vec();
     for bytes in [png, jpeg, hdr] {
         let (_dir, path) = file("a", &bytes);
-        let why = Input::open(&path).unwrap_err();
+        let why = open(&path).unwrap_err();
         assert!(why.contains("60000 x 60000"), "{why}");
     }
 }
@@ -141,7 +141,7 @@ fn formats_that_are_not_read_are_named() {
         (b"#?RADIANCE\n\n+Y 1 +X 1\n    ", ["+Y 1", "-Y HEIGHT"]),
     ] {
         let (_dir, path) = file("a.png", bytes);
-        let why = Input::open(&path).unwrap_err();
+        let why = open(&path).unwrap_err();
         assert!(parts.iter().all(|part| why.contains(part)), "{why}");
     }
 }

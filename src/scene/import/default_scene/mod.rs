@@ -114,7 +114,7 @@ impl Studio {
         let gap = 1e-4 * bounds.radius();
         let foot = center + up * (lowest - gap - center.dot(up));
         let radius = GROUND_RADII * bounds.radius().max(f32::MIN_POSITIVE);
-        let material = paint.add(&mut parts.materials, false);
+        let material = paint.add(&mut parts.materials, None);
         let disk = AnalyticShape::new(AnalyticKind::Disk, facing(foot, up, radius));
         parts.shapes.push(Shape {
             name: "ground".into(),

@@ -12,10 +12,11 @@ use glam::{Affine2, Mat2, Vec2};
 use rayon::prelude::*;
 use std::path::Path;
 
-/// Whether a mesh has colours at its vertices or faces.
-pub(super) fn has(mesh: &Mesh) -> bool {
-    let list = &mesh.attributes.list;
-    list.iter().any(|a| a.name == palette::VERTEX_COLOR)
+/// The colours that a mesh has at its vertices or faces.
+pub(super) fn of(mesh: &Mesh) -> Option<Texture> {
+    let mut list = mesh.attributes.list.iter();
+    let has = list.any(|a| a.name == palette::VERTEX_COLOR);
+    has.then(|| Texture::MeshAttribute(palette::VERTEX_COLOR.into()))
 }
 
 /// Makes a mesh's colours what materials multiply by, under one name. Those of scans and sculptures
@@ -99,10 +100,10 @@ pub(super) fn open(
 }
 
 /// A diffuse surface under an image, times the colours of the mesh if it has any.
-pub(super) fn painted(image: Texture, colored: bool, parts: &mut Parts) -> MaterialId {
-    let reflectance = match colored {
-        true => image.times(Texture::MeshAttribute(palette::VERTEX_COLOR.into())),
-        false => image,
+pub(super) fn painted(image: Texture, colors: Option<Texture>, parts: &mut Parts) -> MaterialId {
+    let reflectance = match colors {
+        Some(colors) => image.times(colors),
+        None => image,
     };
     let id = parts.materials.push(Diffuse { reflectance });
     parts.materials.push(Material::TwoSided {

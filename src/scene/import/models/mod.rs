@@ -91,7 +91,7 @@ pub fn load(
                 let paint = source.material.as_ref().or(models.material.as_ref());
                 let gltf = GltfOptions {
                     to_world: source.to_world * turn,
-                    material: paint.map(|p| p.add(&mut parts.materials, false)),
+                    material: paint.map(|p| p.add(&mut parts.materials, None)),
                     boundary: paint.and_then(|p| p.boundary(&mut parts.media)),
                     show: models.show.clone(),
                 };
@@ -195,12 +195,12 @@ impl Adder<'_> {
             if let Some(warning) = colors::prepare(&mut mesh) {
                 self.parts.warn(format!("{}: {warning}", path.display()));
             }
-            let colored = colors::has(&mesh);
+            let colors = colors::of(&mesh);
             let parts = &mut *self.parts;
             let (material, radiance) = match (&paint, &image) {
-                (Some(paint), _) => (paint.add(&mut parts.materials, colored), None),
-                (None, Some(image)) => (colors::painted(image.clone(), colored, parts), None),
-                (None, None) => library.material(index, colored, self.options, parts)?,
+                (Some(paint), _) => (paint.add(&mut parts.materials, colors), None),
+                (None, Some(image)) => (colors::painted(image.clone(), colors, parts), None),
+                (None, None) => library.material(index, colors, self.options, parts)?,
             };
             pieces.push(Piece {
                 mesh,

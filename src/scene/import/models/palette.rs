@@ -32,6 +32,9 @@ const METALS: [(&str, &str); 7] = [
     ("tungsten", "W"),
 ];
 
+/// Those whose colour is no part of what they are.
+pub const COLORED: [&str; 4] = ["clay", "matte", "plastic", "metal"];
+
 /// Those that light passes: what they enclose can absorb.
 const BODIES: [&str; 3] = ["glass", "frosted", "water"];
 
@@ -58,13 +61,18 @@ impl Paint {
         }
     }
 
-    /// Adds the material. Where the mesh has colours (`colored`) and the paint names none, they are
-    /// used by the materials that have a colour of their own.
-    pub fn add(&self, materials: &mut Materials, colored: bool) -> MaterialId {
-        let color = |default: [f32; 3]| match self.color {
-            Some(color) => Texture::Constant(color),
-            None if colored => Texture::MeshAttribute(VERTEX_COLOR.into()),
-            None => Texture::Constant(Rgb::from(default)),
+    /// Whether an image can be its colour: it names none, and is not what it is by its colour.
+    pub fn takes_image(&self) -> bool {
+        self.color.is_none() && COLORED.contains(&self.name.as_str())
+    }
+
+    /// Adds the material. Where the mesh has colours, and the paint names none, they are used by the
+    /// materials that have a colour of their own.
+    pub fn add(&self, materials: &mut Materials, colors: Option<Texture>) -> MaterialId {
+        let color = |default: [f32; 3]| match (self.color, &colors) {
+            (Some(color), _) => Texture::Constant(color),
+            (None, Some(colors)) => colors.clone(),
+            (None, None) => Texture::Constant(Rgb::from(default)),
         };
         let tint = || match (self.color, self.distance) {
             (Some(color), None) => Texture::Constant(color),
@@ -264,7 +272,7 @@ mod tests {
         for name in NAMES.into_iter().chain(METALS.map(|m| m.0)) {
             let mut materials = Materials::default();
             let paint: Paint = name.parse().unwrap();
-            let id = paint.add(&mut materials, false);
+            let id = paint.add(&mut materials, None);
             assert_eq!(id as usize, materials.len() - 1, "{name}");
         }
         for (name, symbol) in METALS {
@@ -274,9 +282,10 @@ mod tests {
 
     #[test]
     fn a_colour_of_the_paint_wins_over_that_of_the_mesh() {
-        let reflectance = |paint: &str, colored| {
+        let reflectance = |paint: &str, colored: bool| {
             let mut materials = Materials::default();
-            paint.parse::<Paint>().unwrap().add(&mut materials, colored);
+            let colors = colored.then(|| Texture::MeshAttribute(VERTEX_COLOR.into()));
+            paint.parse::<Paint>().unwrap().add(&mut materials, colors);
             match materials.get(0) {
                 Material::Diffuse(Diffuse { reflectance }) => reflectance.clone(),
                 other => panic!("{other:?}"),

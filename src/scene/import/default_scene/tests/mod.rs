@@ -24,7 +24,7 @@ fn model(center: Vec3, half: Vec3) -> Parts {
         ..Mesh::default()
     };
     let mut parts = Parts::default();
-    let material = Paint::clay().add(&mut parts.materials, false);
+    let material = Paint::clay().add(&mut parts.materials, None);
     parts.shapes.push(Shape {
         name: "box".into(),
         geometry: Geometry::Mesh(Arc::new(mesh)),

@@ -53,12 +53,12 @@ impl Library {
     pub fn material(
         &self,
         index: u32,
-        colored: bool,
+        colors: Option<Texture>,
         options: &ImportOptions,
         parts: &mut Parts,
     ) -> Result<(MaterialId, Option<Texture>), ImportError> {
         let Some(entry) = self.entries.get(index as usize).and_then(Option::as_ref) else {
-            let clay = Paint::clay().add(&mut parts.materials, colored);
+            let clay = Paint::clay().add(&mut parts.materials, colors);
             return Ok((clay, None));
         };
         let mut reader = Reader {
@@ -67,7 +67,7 @@ impl Library {
             options,
             parts,
         };
-        let material = reader.material(colored)?;
+        let material = reader.material(colors)?;
         let name = reader.name;
         if !name.is_empty() {
             reader.parts.materials.set_name(material, name);
@@ -100,7 +100,7 @@ impl Reader<'_> {
         }
     }
 
-    fn material(&mut self, colored: bool) -> Result<MaterialId, ImportError> {
+    fn material(&mut self, colors: Option<Texture>) -> Result<MaterialId, ImportError> {
         let illum = self.entry.number("illum").unwrap_or(2.0) as i32;
         let dissolve = self.dissolve();
         let lets_light_through = matches!(illum, 4 | 6 | 7 | 9);
@@ -120,7 +120,7 @@ impl Reader<'_> {
             let glass = self.glass();
             self.parts.materials.push(glass)
         } else {
-            let mut id = self.opaque(illum, colored)?;
+            let mut id = self.opaque(illum, colors)?;
             if let Some(normals) = self.normals()? {
                 let normals = Material::NormalMap {
                     normals,
@@ -176,7 +176,7 @@ impl Reader<'_> {
     }
 
     /// The colour of the base.
-    fn color(&mut self, colored: bool) -> Result<Texture, ImportError> {
+    fn color(&mut self, colors: Option<Texture>) -> Result<Texture, ImportError> {
         let map = self.map("map_kd", Use::Color)?;
         let factor = self.entry.color("kd").unwrap_or(Rgb::splat(0.8));
         // Exporters write a black Kd beside an image that should be seen as it is.
@@ -186,9 +186,9 @@ impl Reader<'_> {
             factor
         };
         let color = map.map_or(Texture::Constant(factor), |t| t.scaled(factor));
-        Ok(match colored {
-            true => color.times(Texture::MeshAttribute(palette::VERTEX_COLOR.into())),
-            false => color,
+        Ok(match colors {
+            Some(colors) => color.times(colors),
+            None => color,
         })
     }
 
@@ -198,8 +198,8 @@ impl Reader<'_> {
         words.iter().any(|n| self.entry.number(n).is_some())
     }
 
-    fn opaque(&mut self, illum: i32, colored: bool) -> Result<MaterialId, ImportError> {
-        let color = self.color(colored)?;
+    fn opaque(&mut self, illum: i32, colors: Option<Texture>) -> Result<MaterialId, ImportError> {
+        let color = self.color(colors)?;
         let metal = self.map("map_pm", Use::Number)?;
         let rough = self.map("map_pr", Use::Number)?;
         let model = if self.is_modern() || metal.is_some() || rough.is_some() {
