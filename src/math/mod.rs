@@ -13,6 +13,7 @@ pub mod rgb;
 pub mod rng;
 pub mod sampler;
 pub mod smooth;
+mod sobol;
 pub mod special;
 pub mod sum;
 pub mod warp;

@@ -6,10 +6,11 @@
 //! sample.
 
 use super::rng::{Pcg32, hash_all};
+use super::sobol;
 
-/// Sobol blocks that `sobol_burley` provides; later vertices fall back to independent numbers.
-const SOBOL_BLOCKS: u32 = sobol_burley::NUM_DIMENSION_SETS_4D;
-/// Sobol points before `sobol_burley` repeats; a new scramble starts then.
+/// Sobol blocks that there are; later vertices fall back to independent numbers.
+const SOBOL_BLOCKS: u32 = sobol::BLOCKS;
+/// Sobol points before they repeat; a new scramble starts then.
 const SOBOL_POINTS: u64 = 1 << 16;
 
 /// The stream of numbers of one sample of one pixel.
@@ -19,6 +20,8 @@ const SOBOL_POINTS: u64 = 1 << 16;
 pub struct PathSampler {
     rng: Pcg32,
     index: u32,
+    /// The same shuffled, for [`sobol::block`].
+    shuffled: u32,
     scramble: u32,
     /// Next Sobol block; `u32::MAX` draws independent numbers.
     block: u32,
@@ -32,6 +35,7 @@ impl PathSampler {
         Self {
             rng: Pcg32::new(hash_all([stream, sample]), stream),
             index: 0,
+            shuffled: 0,
             scramble: 0,
             block: u32::MAX,
         }
@@ -48,9 +52,11 @@ impl PathSampler {
     pub fn sobol(seed: u64, pixel: u64, begin: u64, sample: u64) -> Self {
         let index = sample - begin;
         let scramble = hash_all([seed, pixel, begin, index / SOBOL_POINTS]);
+        let index = (index % SOBOL_POINTS) as u32;
         Self {
             rng: Pcg32::new(hash_all([scramble, sample]), pixel),
-            index: (index % SOBOL_POINTS) as u32,
+            index,
+            shuffled: sobol::shuffle(index, scramble as u32),
             scramble: scramble as u32,
             block: 0,
         }
@@ -77,7 +83,7 @@ impl PathSampler {
         if self.block < SOBOL_BLOCKS {
             let block = self.block;
             self.block += 1;
-            return sobol_burley::sample_4d(self.index, block, self.scramble);
+            return sobol::block(self.shuffled, block, self.scramble);
         }
         std::array::from_fn(|_| self.rng.next_f32())
     }
