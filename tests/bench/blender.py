@@ -85,8 +85,8 @@ def base_reflectance(mi, bsdf, params, pairs=4000):
     sine, turn = np.sqrt(rng.random((2, pairs))), 2 * np.pi * rng.random((2, pairs))
     ways = np.stack([sine * np.cos(turn), sine * np.sin(turn), np.sqrt(1 - sine**2)], -1)
     sent, at = [], mi.SurfaceInteraction3f()
-    for color in (params["diffuse_reflectance.value"], [0, 0, 0]):
-        params["diffuse_reflectance.value"] = mi.Color3f(color)
+    for color in (mi.Color3f(0), mi.Color3f(params["diffuse_reflectance.value"])):
+        params["diffuse_reflectance.value"] = color
         params.update()
         found = 0
         for wi, wo in zip(*ways):
@@ -94,7 +94,7 @@ def base_reflectance(mi, bsdf, params, pairs=4000):
             found = found + np.asarray(bsdf.eval(mi.BSDFContext(), at, wo.tolist())) / wo[2] * np.pi
         sent.append(found / pairs)
     passed = [1 - mi.fresnel(float(wi[2]), params["eta"])[0] for wi in ways[0]]
-    return (sent[0] - sent[1]) / np.mean(passed)
+    return (sent[1] - sent[0]) / np.mean(passed)
 
 
 def surface(nodes, mi, bsdf):
