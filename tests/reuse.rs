@@ -38,11 +38,12 @@ fn room_in(air: Option<(Extinction, PhaseFunction)>) -> Built {
     let eye = Vec3::new(0.0, 0.0, -0.9);
     let mut maker = SceneMaker::new(eye, Vec3::new(0.0, -0.2, 1.0), 70.0, 16);
     if let Some((extinction, phase)) = air {
-        maker.description.camera_medium = maker.description.media.push(Medium {
+        let air = maker.description.media.push(Medium {
             name: "air".into(),
             extinction,
             phase,
         });
+        maker.description.camera_medium = Some(air);
     }
     let wall = maker.diffuse(0.6);
     maker.shape(inside_of_cube(1.0), wall, None, false);

@@ -4,10 +4,11 @@
 use super::description::{Description, Geometry, Mesh, Shape};
 use super::media::SceneMedia;
 use super::surface::{DARK, Form, Needs, Surface, Surfaces};
-use crate::accel::{self, AccelError, Backend, Bounds, BuildSettings, RayQuery, World};
+use crate::accel::{self, AccelError, Backend, Bounds, BuildSettings, Ray, RayQuery, World};
 use crate::bsdf::Materials;
 use crate::light::{Emitter, EmitterShape, Lights};
-use crate::math::{Affine3A, Rgb};
+use crate::math::{Affine3A, Rgb, Vec3};
+use crate::medium::{MediumId, VACUUM};
 use crate::texture::{MeshAttributes, Texture};
 use std::sync::Arc;
 
@@ -43,7 +44,6 @@ impl Scene {
             .collect();
         let media = SceneMedia::new(
             std::mem::take(&mut description.media),
-            description.camera_medium,
             &description.shapes,
             &materials,
         );
@@ -75,16 +75,21 @@ impl Scene {
             lights,
             rays,
         };
-        scene.place_media(bodies);
+        let eye = description.camera.to_world;
+        let (eye, axis) = (eye.translation.as_vec3(), eye.z_axis.as_vec3());
+        let camera = Ray::new(eye, axis.normalize_or(Vec3::Z));
+        scene.place_media(bodies, description.camera_medium, &camera);
         Ok(scene)
     }
 
-    /// Finds out where media are. `bodies` are the bounds of all that has one inside.
-    fn place_media(&mut self, bodies: Bounds) {
+    /// Finds out where media are. `bodies` are the bounds of all that has one inside; `camera` is
+    /// the axis of the camera, whose medium may be given.
+    fn place_media(&mut self, bodies: Bounds, given: Option<MediumId>, camera: &Ray) {
         if self.media.is_empty() {
             return;
         }
-        self.media.outside = self.outside_medium(self.media.camera);
+        self.media.outside = self.outside_medium(given.unwrap_or(VACUUM));
+        self.media.camera = given.unwrap_or_else(|| self.medium_around(camera));
         let endless = self.media.list().get(self.media.outside).is_some();
         self.media.region = if endless { self.rays.bounds() } else { bodies };
     }

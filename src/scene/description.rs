@@ -120,8 +120,9 @@ pub struct Description {
     pub emitter_names: BTreeMap<u32, String>,
     /// Media that shapes have on their sides.
     pub media: Media,
-    /// The medium that the camera is in.
-    pub camera_medium: MediumId,
+    /// The medium that the camera is in; `None` where the scene does not say: then boundaries
+    /// around the camera do.
+    pub camera_medium: Option<MediumId>,
     /// Camera.
     pub camera: CameraDescription,
     /// Film.
@@ -146,7 +147,7 @@ impl Description {
             emitters: Vec::new(),
             emitter_names: BTreeMap::new(),
             media: Media::default(),
-            camera_medium: crate::medium::VACUUM,
+            camera_medium: None,
             camera: CameraDescription {
                 to_world: DAffine3::IDENTITY,
                 projection: crate::camera::Projection::Orthographic,

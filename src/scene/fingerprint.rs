@@ -130,7 +130,7 @@ impl Print {
         for shape in &scene.shapes {
             self.text(format_args!("{:?}", shape.boundary));
         }
-        self.text(format_args!("{}", scene.camera_medium));
+        self.text(format_args!("{:?}", scene.camera_medium));
     }
 
     fn mesh(&mut self, mesh: &Mesh) {

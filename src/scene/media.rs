@@ -3,7 +3,7 @@
 use super::description::Shape;
 use crate::accel::{Bounds, Hit};
 use crate::bsdf::Materials;
-use crate::medium::{Boundary, Media, MediumId};
+use crate::medium::{Boundary, Media, MediumId, VACUUM};
 
 /// What a shape does to a ray's medium.
 #[derive(Clone, Copy, Debug)]
@@ -33,13 +33,9 @@ pub struct SceneMedia {
 }
 
 impl SceneMedia {
-    /// Of a description's shapes. Where there is no medium nothing is kept.
-    pub(super) fn new(
-        media: Media,
-        camera: MediumId,
-        shapes: &[Shape],
-        materials: &Materials,
-    ) -> Self {
+    /// Of a description's shapes; where the camera is and what is outside is not known yet. Where
+    /// there is no medium nothing is kept.
+    pub(super) fn new(media: Media, shapes: &[Shape], materials: &Materials) -> Self {
         let side = |shape: &Shape| Side {
             boundary: shape.boundary,
             index_matched: shape.emitter.is_none() && materials.is_null(shape.material),
@@ -51,11 +47,11 @@ impl SceneMedia {
         Self {
             has_index_matched: sides.iter().any(|side| side.index_matched),
             has_boundaries: sides.iter().any(|side| side.boundary.is_some()),
-            outside: camera,
+            outside: VACUUM,
             region: Bounds::EMPTY,
             media,
             sides,
-            camera,
+            camera: VACUUM,
         }
     }
 

@@ -42,6 +42,20 @@ impl Scene {
         None
     }
 
+    /// The medium at the begin of a ray: along it, or in other directions where no boundary is
+    /// ahead.
+    pub(super) fn medium_around(&self, ray: &Ray) -> MediumId {
+        let mut rng = Pcg32::new(0, 0x6579);
+        let mut elsewhere = || warp::uniform_sphere(Vec2::new(rng.next_f32(), rng.next_f32()));
+        (0..=LOOKS)
+            .find_map(|look| {
+                let dir = if look == 0 { ray.dir } else { elsewhere() };
+                let ray = Ray::new(ray.org, dir);
+                self.facing_medium(&ray, &self.rays.intersect(&ray))
+            })
+            .unwrap_or(self.media.outside)
+    }
+
     /// The medium outside of all bodies: what a ray from there meets first, or `otherwise`.
     pub(super) fn outside_medium(&self, otherwise: MediumId) -> MediumId {
         let bounds = self.rays.bounds();

@@ -17,6 +17,8 @@ and for no blur of reflections.
 import argparse, base64, json, math, os, struct, subprocess, sys, tempfile
 import numpy as np
 
+from blender import prepare
+
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 SIZE = 64
 TOLERANCE = 0.03
@@ -165,17 +167,9 @@ def cycles(path, out, spp):
 def rendered(scene, out, spp):
     """RGBA of a scene in Blender, as it stands there."""
     import bpy
-    render, settings = scene.render, scene.cycles
-    render.engine = 'CYCLES'
-    settings.samples, settings.use_adaptive_sampling, settings.use_denoising = spp, False, False
-    settings.pixel_filter_type, settings.blur_glossy = 'BOX', 0
-    settings.sample_clamp_direct = settings.sample_clamp_indirect = 0
-    settings.max_bounces = settings.diffuse_bounces = settings.glossy_bounces = settings.transmission_bounces = 11
+    render = scene.render
+    prepare(scene, (render.resolution_x, render.resolution_y), spp, 11, 2)
     render.film_transparent = True
-    render.threads_mode, render.threads = 'FIXED', 2
-    render.resolution_percentage = 100
-    scene.view_settings.view_transform = 'Raw'
-    render.image_settings.file_format, render.image_settings.color_depth = 'OPEN_EXR', '32'
     render.image_settings.color_mode = 'RGBA'
     render.filepath = out
     bpy.ops.render.render(write_still=True)

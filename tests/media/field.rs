@@ -50,7 +50,7 @@ fn photons_collide_as_often_as_fluence_and_extinction_say() {
 pub fn foggy_room() -> Built {
     let eye = Vec3::new(0.0, 0.0, -0.95);
     let mut maker = SceneMaker::new(eye, Vec3::Z, 70.0, 16);
-    maker.description.camera_medium = medium(&mut maker, 0.6, 0.9);
+    maker.description.camera_medium = Some(medium(&mut maker, 0.6, 0.9));
     let wall = maker.diffuse(0.6);
     maker.shape(inside_of_cube(1.0), wall, None, false);
     let lamp = Affine3A::from_translation(Vec3::new(0.4, 0.7, 0.4))

@@ -1,6 +1,7 @@
 //! Participating media: closed forms, what the field learns of them, and agreement with Mitsuba 3.
 
 mod field;
+mod inside;
 mod mitsuba;
 mod places;
 #[path = "../support/mod.rs"]
@@ -120,7 +121,7 @@ fn scattered_once(end: f64) -> f64 {
 
 fn in_endless_fog() -> SceneMaker {
     let mut maker = SceneMaker::new(Vec3::ZERO, Vec3::Z, 0.05, 8);
-    maker.description.camera_medium = medium(&mut maker, FOG.0, FOG.1);
+    maker.description.camera_medium = Some(medium(&mut maker, FOG.0, FOG.1));
     maker
 }
 

@@ -18,7 +18,7 @@ use twintree::integrate::training::LearnSettings;
 use twintree::integrate::{GuidedSettings, PathSettings};
 use twintree::light::Emitter;
 use twintree::math::{Affine3A, DAffine3, DVec3, Rgb, Vec3};
-use twintree::medium::{Media, VACUUM};
+use twintree::medium::Media;
 use twintree::photon::PhotonSettings;
 use twintree::photon::schedule::Budget;
 use twintree::scene::description::{RenderDescription, SamplerKind};
@@ -54,7 +54,7 @@ impl SceneMaker {
         Self {
             description: Description {
                 media: Media::default(),
-                camera_medium: VACUUM,
+                camera_medium: None,
                 shapes: Vec::new(),
                 groups: 0,
                 instances: Vec::new(),

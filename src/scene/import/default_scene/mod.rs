@@ -22,7 +22,6 @@ use crate::film::filter::Filter;
 use crate::film::{FilmDescription, FilmKind};
 use crate::light::EnvironmentImage;
 use crate::math::{Affine3A, DVec3, Vec3};
-use crate::medium::VACUUM;
 use crate::scene::description::RenderDescription;
 use crate::scene::{Description, Geometry, Shape};
 use std::sync::Arc;
@@ -85,7 +84,7 @@ impl Studio {
         self.add_light(&mut parts, &shot.camera, bounds);
         Ok(Description {
             media: parts.media,
-            camera_medium: VACUUM,
+            camera_medium: None,
             shapes: parts.shapes,
             groups: parts.groups,
             instances: parts.instances,

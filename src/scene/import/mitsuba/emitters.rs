@@ -25,6 +25,8 @@ impl<'a> Importer<'a> {
     pub fn emitter(&mut self, index: usize) -> Result<(), ImportError> {
         let params = Params::new(self.document, index);
         params.ignore(&["sampling_weight"]);
+        // The boundaries around a lamp tell what it stands in.
+        params.children("medium");
         let emitter = match params.plugin() {
             "point" => self.point(&params)?,
             "spot" => self.spot(&params)?,

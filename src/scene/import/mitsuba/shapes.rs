@@ -106,6 +106,8 @@ impl<'a> Importer<'a> {
         };
         let inner = Params::new(self.document, index);
         inner.ignore(&["sampling_weight"]);
+        // The shape's boundary tells what is around it.
+        inner.children("medium");
         let radiance = match inner.plugin() {
             "area" => Some(self.texture(&inner, "radiance", 1.0, Role::Light)),
             "directionalarea" => {

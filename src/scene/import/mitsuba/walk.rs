@@ -136,7 +136,7 @@ impl Importer<'_> {
         }
         Description {
             media: self.media,
-            camera_medium: sensor.medium,
+            camera_medium: Some(sensor.medium),
             shapes,
             groups,
             instances: self.instances,

@@ -59,7 +59,7 @@ impl Importer<'_> {
             emitters: self.emitters,
             emitter_names: self.emitter_names,
             media: self.media,
-            camera_medium,
+            camera_medium: Some(camera_medium),
             camera,
             film,
             render: self.render,

@@ -31,7 +31,7 @@ fn media_are_read_where_shapes_and_the_sensor_name_them() {
     let d = Stage::new().load(text).unwrap_or_else(|e| panic!("{e}"));
     assert!(d.warnings.is_empty(), "{:?}", d.warnings);
     let boundaries: Vec<_> = d.shapes.iter().map(|s| s.boundary).collect();
-    let fog = d.camera_medium;
+    let fog = d.camera_medium.unwrap();
     let Some(Boundary { interior, exterior }) = boundaries[0] else {
         panic!("{boundaries:?}")
     };
@@ -49,6 +49,20 @@ fn media_are_read_where_shapes_and_the_sensor_name_them() {
     let inner = homogeneous(&d, interior);
     assert_eq!(inner.extinction, Rgb::splat(4.0));
     assert_eq!(inner.albedo, Rgb::splat(0.75));
+}
+
+/// Mitsuba lets an emitter name the medium around it. Here that is found along its rays.
+#[test]
+fn a_lamp_may_name_its_medium() {
+    let text = "<scene version='3.0.0'>
+         <medium type='homogeneous' id='fog'/>
+         <emitter type='point'><ref name='exterior' id='fog'/></emitter>
+         <shape type='sphere'><ref name='exterior' id='fog'/>
+           <emitter type='area'><ref name='medium' id='fog'/></emitter></shape>
+         <sensor type='perspective'><ref id='fog'/></sensor></scene>";
+    let d = Stage::new().load(text).unwrap_or_else(|e| panic!("{e}"));
+    assert!(d.warnings.is_empty(), "{:?}", d.warnings);
+    assert_eq!((d.emitters.len(), d.media.list.len()), (2, 1));
 }
 
 /// (what stands in a shape, words the message must have).
