@@ -146,3 +146,26 @@ fn degenerate_shapes_and_rays_are_misses() {
         }
     }
 }
+
+/// Most rays take the short way, batches with masks and the other ray tracer the long one.
+#[test]
+fn flat_shapes_are_met_to_the_same_bits_both_ways() {
+    let mut rng = Pcg32::new(2, 9);
+    let mut number = |scale: f32| scale * (2.0 * rng.next_f32() - 1.0);
+    let mut met = 0;
+    for round in 0..40_000 {
+        let mut vector = |scale| Vec3::new(number(scale), number(scale), number(scale));
+        let (x, y, z, place) = (vector(2.0), vector(2.0), vector(2.0), vector(10.0));
+        let kind = [AnalyticKind::Disk, AnalyticKind::Rectangle][round % 2];
+        let map = Affine3A::from_mat3_translation(crate::math::Mat3::from_cols(x, y, z), place);
+        let shape = AnalyticShape::new(kind, map);
+        let org = vector(20.0);
+        let dir = place + x * vector(1.0).x + y * vector(1.0).y - org;
+        let (tmin, tmax) = (0.1 * vector(1.0).x, 1.0 + 0.2 * vector(1.0).x);
+        let long = shape.crossings(org, dir, tmin, tmax).next();
+        let short = shape.intersect(org, dir, tmin, tmax);
+        assert_eq!(short, long.map(|c| (c.t, c.u, c.v)));
+        met += u32::from(short.is_some());
+    }
+    assert!((10_000..30_000).contains(&met), "{met}");
+}
