@@ -97,17 +97,17 @@ fn materials_of_models() {
 
 #[test]
 fn scenes() {
-    attack("xml", 300, 1, |input| targets::xml(&input));
+    attack("xml", 1000, 1, |input| targets::xml(&input));
 }
 
 #[test]
 fn pbrt_scenes() {
-    attack("pbrt", 300, 1, |input| targets::pbrt(&input));
+    attack("pbrt", 2000, 1, |input| targets::pbrt(&input));
 }
 
 #[test]
 fn fields() {
-    attack("field", 1500, 50, |input| {
+    attack("field", 2000, 50, |input| {
         targets::field(&input) | targets::field(&targets::mended_field(input))
     });
 }
@@ -127,7 +127,7 @@ fn pictures() {
 #[test]
 fn parts() {
     // Almost every byte is sealed: hardly any change is accepted.
-    attack("part", 400, 0, |input| targets::part(&input));
+    attack("part", 2000, 0, |input| targets::part(&input));
 }
 
 /// Writes the binary files of the corpus anew: `cargo test --test fuzz -- --ignored`.
