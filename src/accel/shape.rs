@@ -92,10 +92,8 @@ impl AnalyticShape {
         Some((nearest.t, nearest.u, nearest.v))
     }
 
-    /// The same for flat shapes, to the same bits: most rays that a ray tracer asks for pass the
-    /// plane out of range, which the third coordinate alone tells. (Light samples end on their
-    /// lamp, and every ray of a room comes near to some wall: 5 % of a plain render of veach-ajar
-    /// and a tenth of a Cornell box.)
+    /// The same for flat shapes, to the same bits: most rays that a ray tracer asks about meet the
+    /// plane out of their range, which the third coordinate alone tells.
     #[inline]
     fn intersect_flat(
         &self,
@@ -103,7 +101,7 @@ impl AnalyticShape {
         dir: Vec3,
         (tmin, tmax): (f32, f32),
     ) -> Option<(f32, f32, f32)> {
-        let (o, d) = (self.from_center(org), dir.as_dvec3());
+        let (o, d) = (self.relative_to_center(org), dir.as_dvec3());
         let m = &self.to_object.matrix3;
         let columns = [m.x_axis, m.y_axis, m.z_axis];
         let along = |axis: usize, v: DVec3| {
@@ -154,11 +152,11 @@ impl AnalyticShape {
     /// A place in unit space, relative to the shape's centre before it is transformed.
     #[inline]
     fn unit_place(&self, p: Vec3) -> DVec3 {
-        self.map(self.from_center(p))
+        self.map(self.relative_to_center(p))
     }
 
     #[inline]
-    fn from_center(&self, p: Vec3) -> DVec3 {
+    fn relative_to_center(&self, p: Vec3) -> DVec3 {
         p.as_dvec3() - Vec3::from(self.to_world.translation).as_dvec3()
     }
 
