@@ -183,7 +183,7 @@ fn measure(args: &RenderArgs) {
     let batches = recorder.kept.lock().unwrap();
     let rays: usize = batches.iter().map(Batch::len).sum();
     println!(
-        "{}: {} million rays, {whole:.2} s",
+        "{}: {:.2} million rays, {whole:.2} s",
         args.scene.title(),
         rays as f64 * 1e-6
     );
