@@ -102,18 +102,12 @@ impl AnalyticShape {
         (tmin, tmax): (f32, f32),
     ) -> Option<(f32, f32, f32)> {
         let (o, d) = (self.relative_to_center(org), dir.as_dvec3());
-        let m = &self.to_object.matrix3;
-        let columns = [m.x_axis, m.y_axis, m.z_axis];
-        let along = |axis: usize, v: DVec3| {
-            let [a, b, c] = columns.map(|column| f64::from(column[axis]));
-            a * v.x + b * v.y + c * v.z
-        };
-        let t = -along(2, o) / along(2, d);
+        let t = -self.along(2, o) / self.along(2, d);
         let distance = t as f32;
         if !(distance >= tmin && distance <= tmax) {
             return None;
         }
-        let at = |axis: usize| along(axis, o) + along(axis, d) * t;
+        let at = |axis: usize| self.along(axis, o) + self.along(axis, d) * t;
         let p = DVec3::new(at(0), at(1), 0.0);
         let (u, v) = covers(self.kind, p).then(|| coordinates(self.kind, p))?;
         Some((distance, u as f32, v as f32))
@@ -167,9 +161,15 @@ impl AnalyticShape {
 
     #[inline]
     fn map(&self, v: DVec3) -> DVec3 {
+        DVec3::new(self.along(0, v), self.along(1, v), self.along(2, v))
+    }
+
+    /// One coordinate in unit space of a vector.
+    #[inline]
+    fn along(&self, axis: usize, v: DVec3) -> f64 {
         let m = &self.to_object.matrix3;
-        let columns = [m.x_axis, m.y_axis, m.z_axis].map(|c| Vec3::from(c).as_dvec3());
-        columns[0] * v.x + columns[1] * v.y + columns[2] * v.z
+        let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis].map(|c| f64::from(c[axis]));
+        x * v.x + y * v.y + z * v.z
     }
 }
 

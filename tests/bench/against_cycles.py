@@ -192,6 +192,21 @@ def twintree(program, path, out, spp, hidden):
     return pixels(out)[..., :3]
 
 
+def print_row(row):
+    """A line of the table: name, colours, difference, pixels covered in one picture alone."""
+    text = [' '.join(f'{x:.4f}' for x in row[key]) for key in ('ours', 'cycles')]
+    print(f'| {row["name"]} | {text[0]} | {text[1]} | {100 * row["difference"]:.1f} % | {row["missing"]} | {row["beyond"]} |',
+          flush=True)
+
+
+def conclude(rows, bad, path):
+    """Writes the rows, if that is asked for, and ends: with 1 if any is bad."""
+    if path:
+        with open(path, 'w') as f:
+            json.dump(rows, f, indent=1)
+    sys.exit(1 if bad else 0)
+
+
 def main():
     ap = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     ap.add_argument('models', nargs='*')
@@ -227,12 +242,8 @@ def main():
             beyond = int(((ours[..., :3].max(-1) > 4 * ours[..., :3].max() / args.spp) & ~inside).sum())
             rows.append({'name': name, 'ours': a.tolist(), 'cycles': b.tolist(), 'difference': difference, 'missing': missing, 'beyond': beyond})
             bad += missing + beyond > 0 or (difference > TOLERANCE) != (name in TOLD)
-            text = ' '.join(f'{x:.4f}' for x in a), ' '.join(f'{x:.4f}' for x in b)
-            print(f'| {name} | {text[0]} | {text[1]} | {100 * difference:.1f} % | {missing} | {beyond} |', flush=True)
-    if args.json:
-        with open(args.json, 'w') as f:
-            json.dump(rows, f, indent=1)
-    sys.exit(1 if bad else 0)
+            print_row(rows[-1])
+    conclude(rows, bad, args.json)
 
 
 if __name__ == '__main__':

@@ -15,7 +15,7 @@ loss the manual names (`LOST`): of those the difference must be there.
 """
 import argparse, json, math, os, subprocess, sys, tempfile
 import numpy as np
-from against_cycles import ROOT, pixels, rendered
+from against_cycles import ROOT, conclude, pixels, print_row, rendered
 
 WIDTH, HEIGHT = 96, 64
 TOLERANCE = 0.03
@@ -154,14 +154,10 @@ def main():
             rows.append({'name': name, 'ours': a.tolist(), 'cycles': b.tolist(), 'difference': difference, 'missing': missing, 'beyond': beyond, 'told': told})
             agrees = difference <= TOLERANCE and missing + beyond == 0
             bad += agrees == (name in LOST)
-            text = ' '.join(f'{x:.4f}' for x in a), ' '.join(f'{x:.4f}' for x in b)
-            print(f'| {name} | {text[0]} | {text[1]} | {100 * difference:.1f} % | {missing} | {beyond} |', flush=True)
+            print_row(rows[-1])
             if told:
                 print(told, file=sys.stderr)
-    if args.json:
-        with open(args.json, 'w') as f:
-            json.dump(rows, f, indent=1)
-    sys.exit(1 if bad else 0)
+    conclude(rows, bad, args.json)
 
 
 if __name__ == '__main__':
