@@ -12,6 +12,7 @@ pub mod piecewise_linear;
 pub mod rgb;
 pub mod rng;
 pub mod sampler;
+pub mod simd;
 pub mod smooth;
 mod sobol;
 pub mod special;

@@ -55,7 +55,7 @@ pub const VANISHING: f32 = -87.0;
 /// ```
 /// assert!((twintree::math::special::exp_negative(-1.0) - 0.367_879_44).abs() < 1e-7);
 /// ```
-#[inline]
+#[inline(always)]
 pub fn exp_negative(x: f32) -> f32 {
     /// Adding it leaves the nearest integer in the lowest bits.
     const MAGIC: f32 = 12_582_912.0;

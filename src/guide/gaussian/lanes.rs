@@ -49,13 +49,13 @@ impl Lanes {
     }
 
     /// Each lobe's density at a point.
-    #[inline]
+    #[inline(always)]
     pub fn densities(&self, x: f32, y: f32) -> Eight {
         self.densities_for(&self.exponents(x, y))
     }
 
     /// Their sum. Narrow lobes are nowhere near most points: then there is nothing to add up.
-    #[inline]
+    #[inline(always)]
     pub fn density(&self, x: f32, y: f32) -> f32 {
         let exponents = self.exponents(x, y);
         if exponents.iter().fold(VANISHING, |a, &b| b.max(a)) <= VANISHING {
@@ -66,7 +66,7 @@ impl Lanes {
     }
 
     /// -q/2 of each lobe.
-    #[inline]
+    #[inline(always)]
     fn exponents(&self, x: f32, y: f32) -> Eight {
         let mut out = [0.0; LOBES];
         for (j, out) in out.iter_mut().enumerate() {
@@ -77,7 +77,7 @@ impl Lanes {
         out
     }
 
-    #[inline]
+    #[inline(always)]
     fn densities_for(&self, exponents: &Eight) -> Eight {
         let mut out = [0.0; LOBES];
         for (j, out) in out.iter_mut().enumerate() {

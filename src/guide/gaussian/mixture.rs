@@ -71,7 +71,7 @@ impl Mixture {
     }
 
     /// Density over the domain: positive inside.
-    #[inline]
+    #[inline(always)]
     pub fn density(&self, u: Vec2) -> f32 {
         self.uniform / self.domain.area() + self.lanes.density(u.x, u.y)
     }

@@ -28,6 +28,7 @@ use crate::guide::record::{Deposit, Origin, TABLE_QUANTA};
 use crate::guide::tally::Table;
 use crate::math::equal_area::{CODE_LEVELS, DirectionCell};
 use crate::math::rng::{BELOW_ONE, hash64, unit_f32};
+use crate::math::simd::widest;
 use crate::math::{Frame, Vec2, Vec3};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -81,11 +82,24 @@ pub(crate) struct Frozen {
     neighbour_lobes: Option<Arc<Mixture>>,
 }
 
+impl Frozen {
+    /// Solid-angle density at the place of a direction.
+    #[inline(always)]
+    fn density(&self, place: Vec2) -> f32 {
+        let own = self.mixture.density(place);
+        let density = match &self.neighbour_lobes {
+            Some(neighbour_lobes) => (1.0 - SHARE) * own + SHARE * neighbour_lobes.density(place),
+            None => own,
+        };
+        density * DENSITY
+    }
+}
+
 /// See the module.
 pub(crate) struct Gauss;
 
 /// The place in the unit square of a direction.
-#[inline]
+#[inline(always)]
 fn to_place(frame: &Frame, w: Vec3) -> Vec2 {
     let d = frame.to_local(w);
     // Near the singular direction rounding may carry it over the disk's rim.
@@ -300,13 +314,7 @@ impl LocalModel for Gauss {
 
     #[inline]
     fn pdf(m: &Frozen, _: DirectionCell, _: &Query, w: Vec3) -> f32 {
-        let place = to_place(&m.frame, w);
-        let own = m.mixture.density(place);
-        let density = match &m.neighbour_lobes {
-            Some(neighbour_lobes) => (1.0 - SHARE) * own + SHARE * neighbour_lobes.density(place),
-            None => own,
-        };
-        density * DENSITY
+        widest(|| m.density(to_place(&m.frame, w)))
     }
 
     fn write(stats: &GaussStats, out: &mut Writer) {
