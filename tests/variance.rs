@@ -151,7 +151,9 @@ fn check(what: &str, path: &PathSettings, learns: bool) {
             "{what}: {side} px: {deviation}"
         );
     }
-    assert!((0.85..1.15).contains(&noise), "{what}: noise {noise}");
+    // Where samples avoid each other their halves tell too much, not too little (`film/variance.rs`):
+    // 1.16 with shared paths, where pixels of a tile avoid each other, too.
+    assert!((0.9..1.2).contains(&noise), "{what}: noise {noise}");
 }
 
 fn sobol() -> PathSettings {

@@ -35,6 +35,8 @@ pub(super) struct PathPrefix<'s> {
     pub sample: u32,
     /// Edges to its vertex.
     pub depth: u32,
+    /// The number by which it is put into a group (see `math::sampler`).
+    pub lot: u32,
     /// What it came with.
     pub throughput: Rgb,
     pub position: Vec3,
@@ -60,6 +62,7 @@ impl<'s> PathPrefix<'s> {
         Some(Self {
             sample,
             depth: path.depth,
+            lot: path.sampler.lot(),
             throughput: path.throughput,
             position: point.p,
             error: point.error,
