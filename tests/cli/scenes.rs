@@ -184,13 +184,13 @@ fn files_of_other_programs_are_named_wherever_they_are_given() {
 fn a_spherical_camera_sees_all_around() {
     let scene = r#"<scene version="0.6.0"><integrator type="path"/>
 <sensor type="spherical"><film type="tiledhdrfilm"><integer name="width" value="32"/><integer name="height" value="16"/><rfilter type="box"/></film></sensor>
-<shape type="sphere"><point name="center" x="2"/><float name="radius" value="0.5"/><emitter type="area"/></shape>
+<shape type="sphere"><point name="center" x="2"/><float name="radius" value="0.6"/><emitter type="area"/></shape>
 <shape type="sphere"><point name="center" y="2"/><float name="radius" value="0.5"/><emitter type="area"><rgb name="radiance" value="2"/></emitter></shape></scene>"#;
     let place = Place::with(scene);
     place.run("render scene.xml --spp 4 -o a.exr").ok();
     let (width, pixels) = read_exr(&place.path("a.exr"));
     // Directions are (sin phi sin theta, cos theta, -cos phi sin theta): +x is a quarter along the
-    // rows.
+    // rows. The far corner of its pixel is 15.9 degrees away, the rim of the ball 17.5.
     for (x, y, expected) in [
         (8, 8, 1.0),
         (24, 8, 0.0),
