@@ -93,6 +93,7 @@ fn product(index: u32, block: u32) -> Int4 {
     point
 }
 
+/// Scrambles a block of a point as the crate does.
 #[inline(always)]
 fn scrambled(point: Int4, block: u32, seed: u32) -> [f32; 4] {
     let lanes: Int4 = [0x912f_69ba, 0x174f_18ab, 0x691e_72ca, 0xb40c_c1b8].into();
@@ -162,16 +163,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_first_block_is_that_of_the_crate() {
+    fn points_are_those_of_the_crate() {
         for seed in [0, 1, 0x1234_5678, u32::MAX] {
             for index in (0..1 << 16).step_by(13) {
                 let point = Point::new(index, 0, seed);
                 let found = scrambled(product(point.index, 0), 0, seed);
-                assert_eq!(
-                    found,
-                    sobol_burley::sample_4d(index, 0, seed),
-                    "{seed} {index}"
-                );
+                let expected = sobol_burley::sample_4d(index, 0, seed);
+                assert_eq!(found, expected, "{seed} {index}");
+                for b in [1, 7, BLOCKS - 1] {
+                    let found = scrambled(product(point.index, b), b, seed);
+                    let expected = scrambled(unscrambled(point.index, b).into(), b, seed);
+                    assert_eq!(found, expected, "{seed} {index} {b}");
+                }
             }
         }
     }
