@@ -5,7 +5,7 @@ use super::console::Console;
 use super::denoising::Denoising;
 use super::file_args::{ExrArgs, OidnArgs, ViewArgs};
 use super::interrupt::Interrupt;
-use super::output::{Outputs, check_lossless};
+use super::output::{self, Outputs, check_lossless};
 use super::values;
 use crate::image::denoise::{Known, known};
 use crate::image::{Attribute, PixelType, read_linear};
@@ -44,6 +44,7 @@ pub struct DenoiseArgs {
 pub fn run(args: &DenoiseArgs, console: &Console, interrupt: &Interrupt) -> Result<(), Failure> {
     let outputs = Outputs::of_images(args.output.clone())?;
     outputs.spare("the noisy image", std::slice::from_ref(&args.input))?;
+    output::load_library()?;
     let denoising = Denoising::load(&args.oidn, console, interrupt)?;
     let mut picture = read_linear(&args.input)?;
     let name = args.input.display();

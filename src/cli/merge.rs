@@ -9,7 +9,7 @@ use super::console::Console;
 use super::denoising::Denoising;
 use super::file_args::FileArgs;
 use super::interrupt::Interrupt;
-use super::output::Outputs;
+use super::output::{self, Outputs};
 use super::{aov, memory, settings};
 use crate::film::Film;
 use crate::film::Metadata;
@@ -58,6 +58,7 @@ pub fn run(args: &MergeArgs, console: &Console, interrupt: &Interrupt) -> Result
     };
     let outputs = Outputs::plan(&args.files, Path::new(&first.origin.scene), None)?;
     outputs.spare("one of the parts", &args.parts)?;
+    output::load_library()?;
     let denoising = Denoising::wanted(&args.files, console, interrupt)?;
     check_layers(args, first)?;
     settings::check_memory(first.region, &first.extras)?;

@@ -101,7 +101,7 @@ impl Outputs {
 
     fn tried(images: Vec<PathBuf>, stats: Option<PathBuf>) -> Result<Self, Failure> {
         for path in &images {
-            check_format(path)?;
+            known_format(path)?;
         }
         for path in images.iter().chain(&stats) {
             try_target(path)?;
@@ -277,6 +277,13 @@ fn check_part(outputs: &[PathBuf]) -> Result<(), Failure> {
 /// # Errors
 /// When the name tells no format, this build does not have it, or OpenImageIO cannot be loaded.
 pub fn check_format(path: &Path) -> Result<(), Failure> {
+    known_format(path)?;
+    load_library()
+}
+
+/// # Errors
+/// When the name tells no format, or this build does not have it.
+fn known_format(path: &Path) -> Result<(), Failure> {
     let format = Format::of(path)?;
     if cfg!(not(feature = "oiio")) && format == Format::Tiff {
         return Err(Failure::wrong(
@@ -284,5 +291,13 @@ pub fn check_format(path: &Path) -> Result<(), Failure> {
             "take .exr, or compile with the feature \"oiio\"",
         ));
     }
+    Ok(())
+}
+
+/// Waits until OpenImageIO is loaded, without which this build writes no image.
+///
+/// # Errors
+/// When it cannot be loaded.
+pub fn load_library() -> Result<(), Failure> {
     image::load_library().map_err(|why| Failure::refused(why, "install OpenImageIO's library"))
 }

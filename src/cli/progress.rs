@@ -9,11 +9,12 @@ use super::preview::Tev;
 use super::remaining::{Goal, History, Mark};
 use super::waiting::Waiting;
 use crate::film::{Film, Noise};
+use crate::image::{LibraryLoading, library_is_missing};
 use crate::integrate::progress::{Learning, Limits, Observer, Progress, Spent};
 use crate::report::words;
 use indicatif::ProgressBar;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
 /// Lines come at every tenth of the work, but not faster than this.
@@ -36,6 +37,8 @@ pub struct Watch<'a> {
     preview: Mutex<Option<Tev>>,
     /// Whether it was said that paths are long.
     long_paths: AtomicBool,
+    /// What writes the image, from the first tile on.
+    library: OnceLock<LibraryLoading>,
 }
 
 enum Display {
@@ -111,6 +114,7 @@ impl<'a> Watch<'a> {
             }),
             preview: Mutex::new(preview),
             long_paths: AtomicBool::new(false),
+            library: OnceLock::new(),
         }
     }
 
@@ -246,6 +250,9 @@ impl Observer for Watch<'_> {
 
     fn tile_done(&self, samples: u64) {
         self.samples.fetch_add(samples, Ordering::Relaxed);
+        if self.done.args.parts.shard.is_none() {
+            self.library.get_or_init(LibraryLoading::begin);
+        }
         self.show();
     }
 
@@ -284,7 +291,8 @@ impl Observer for Watch<'_> {
     }
 
     fn should_stop(&self) -> bool {
-        self.interrupt.requested()
+        // Without what writes images, the work would be lost: the end says why.
+        self.interrupt.requested() || library_is_missing()
     }
 
     fn time_aside(&self) -> Duration {

@@ -18,7 +18,7 @@ use super::preview::{Preview, Tev};
 use super::progress::Watch;
 use super::render_args::RenderArgs;
 use super::waiting::Waiting;
-use super::{Failure, frames, invalid, settings, threads};
+use super::{Failure, frames, invalid, output, settings, threads};
 use crate::film::Film;
 use crate::film::part::Record;
 use crate::integrate::progress::{MIN_SPP_FOR_NOISE, PASS_SPP, Spent, StoppedBy, Summary};
@@ -95,6 +95,9 @@ fn render(
     let watch = watch((console, interrupt), &prepared, watched, &film);
     let summary = prepared.trace(&mut guiding, &mut film, before, &watch);
     watch.finish(&film);
+    if whole {
+        output::load_library()?;
+    }
     let mut stats = prepared.stats(&loaded, (&film, &summary), &guiding, times);
     if let Some(track) = track {
         track.finish(&film, &summary, &mut stats);

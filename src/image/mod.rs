@@ -27,6 +27,7 @@ mod format;
 #[cfg(any(test, not(feature = "oiio")))]
 mod formats;
 pub mod header;
+mod loading;
 pub mod mapped;
 pub mod metrics;
 #[cfg(feature = "oiio")]
@@ -48,8 +49,9 @@ mod write_options;
 pub use color_config::DisplayView;
 pub use file::{read, read_linear};
 pub use format::Format;
+pub use loading::{LibraryLoading, library_is_missing, load_library};
 pub use view_transform::ViewTransform;
-pub use write::{load_library, write};
+pub use write::write;
 pub use write_options::{Compression, WriteOptions};
 
 use std::path::Path;

@@ -8,16 +8,6 @@ use super::{
 use crate::math::Rgb;
 use std::path::Path;
 
-/// Loads OpenImageIO, if this build has it: so that what is missing is found before the work.
-///
-/// # Errors
-/// Why it cannot be loaded.
-pub fn load_library() -> Result<(), String> {
-    #[cfg(feature = "oiio")]
-    super::oiio::load()?;
-    Ok(())
-}
-
 /// Writes an image. The format follows from the name: EXR, HDR and TIFF keep linear numbers, PNG
 /// and JPEG get exposure and the sRGB curve. Formats with few channels get the colours (`R`, `G`,
 /// `B`, for PNG also `A`, or the first channels).

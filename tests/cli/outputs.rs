@@ -1,9 +1,10 @@
 //! Files that a render leaves.
 
-use super::support::{Place, read_channels, read_exr, wait};
+use super::support::{Place, Ran, read_channels, read_exr, wait};
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 use std::process::Stdio;
+use std::time::{Duration, Instant};
 
 #[test]
 fn one_render_writes_several_formats() {
@@ -24,6 +25,42 @@ fn one_render_writes_several_formats() {
     assert!(place.read("b.png").starts_with(b"\x89PNG"));
     assert!(place.read("c.jpg").starts_with(b"\xff\xd8"));
     assert!(place.read("d.hdr").starts_with(b"#?"));
+}
+
+/// It is loaded beside the render, which must end with the news and not hours later.
+#[test]
+fn a_render_that_cannot_write_its_image_ends_soon_and_a_shard_does_without() {
+    let place = Place::new();
+    // The linker's debugging output names the file that it opens, whatever the version.
+    let output = place
+        .command("render scene.xml --spp 1 -o a.png")
+        .env("LD_DEBUG", "libs")
+        .output()
+        .unwrap();
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    let names = told
+        .split_whitespace()
+        .filter_map(|word| word.split('/').next_back());
+    let Some(name) = names
+        .into_iter()
+        .find(|n| n.starts_with("libOpenImageIO.so"))
+    else {
+        eprintln!("skipped: this build has no OpenImageIO, or its linker does not tell");
+        return;
+    };
+    std::fs::create_dir(place.path("broken")).unwrap();
+    std::fs::write(place.path("broken").join(name), "no library").unwrap();
+    let with_broken = |words: &str| {
+        let mut command = place.command(words);
+        command.env("LD_LIBRARY_PATH", place.path("broken"));
+        Ran::of(command.output().unwrap())
+    };
+    let start = Instant::now();
+    with_broken("render scene.xml --time 2m -o b.png")
+        .fails(1, &["OpenImageIO cannot be loaded", name]);
+    assert!(start.elapsed() < Duration::from_secs(60));
+    assert!(!place.path("b.png").exists());
+    with_broken("render scene.xml --shard 1/2 --spp 2 -o c.exr").ok();
 }
 
 #[test]

@@ -59,6 +59,11 @@ macro_rules! functions {
             FUNCTIONS.get_or_init(Functions::find).as_ref().map(|_| ()).map_err(Clone::clone)
         }
 
+        /// Whether loading has failed.
+        pub fn is_missing() -> bool {
+            matches!(FUNCTIONS.get(), Some(Err(_)))
+        }
+
         #[inline]
         fn loaded() -> &'static Functions {
             match FUNCTIONS.get() {

@@ -4,7 +4,7 @@ pub mod display;
 mod ffi;
 pub mod input;
 mod library;
-pub use ffi::load;
+pub use ffi::{is_missing, load};
 pub mod output;
 pub mod textures;
 
