@@ -11,7 +11,7 @@
 
 use crate::math::{Affine3A, Vec3};
 use rayon::prelude::*;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 mod backend;
 #[cfg(feature = "embree")]
@@ -137,6 +137,7 @@ impl Hit {
 pub struct TriangleMesh {
     positions: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
+    bounds: OnceLock<Bounds>,
 }
 
 impl TriangleMesh {
@@ -161,6 +162,7 @@ impl TriangleMesh {
         Ok(Self {
             positions,
             triangles,
+            bounds: OnceLock::new(),
         })
     }
 
@@ -178,6 +180,29 @@ impl TriangleMesh {
     #[inline]
     pub fn corners(&self, prim: u32) -> [Vec3; 3] {
         self.triangles[prim as usize].map(|i| self.positions[i as usize])
+    }
+
+    /// Bounds of the triangles, found at the first call. Those with a corner that is not finite do
+    /// not count: no backend finds them.
+    pub fn bounds(&self) -> Bounds {
+        /// Triangles that one thread looks at, at least.
+        const GRAIN: usize = 1 << 14;
+        let with = |bounds: Bounds, triangle: &[u32; 3]| {
+            let corners = triangle.map(|i| self.positions[i as usize]);
+            match corners.iter().all(|c| c.is_finite()) {
+                true => corners.into_iter().fold(bounds, Bounds::with),
+                false => bounds,
+            }
+        };
+        if let Some(known) = self.bounds.get() {
+            return *known;
+        }
+        // Not within the lock: a thread that waits for the others here may take up work that asks
+        // for the same bounds.
+        let triangles = self.triangles.par_iter().with_min_len(GRAIN);
+        let parts = triangles.fold(|| Bounds::EMPTY, with);
+        let bounds = parts.reduce(|| Bounds::EMPTY, Bounds::union);
+        *self.bounds.get_or_init(|| bounds)
     }
 
     /// Bytes held.

@@ -2,6 +2,7 @@
 
 use super::{AccelError, Bounds, Geometry, Shape, World};
 use crate::math::Affine3A;
+use rayon::prelude::*;
 
 /// Every instance must name a group that exists and stand by a map that can be inverted.
 pub fn check(world: &World) -> Result<(), AccelError> {
@@ -78,27 +79,17 @@ pub fn transformed(b: Bounds, map: &Affine3A) -> Bounds {
 }
 
 fn bounds_of_all(geometries: &[Geometry]) -> Bounds {
-    geometries
-        .iter()
-        .map(|g| bounds_of(&g.shape))
-        .fold(Bounds::EMPTY, Bounds::union)
+    let bounds = geometries.par_iter().map(|g| bounds_of(&g.shape));
+    bounds.reduce(|| Bounds::EMPTY, Bounds::union)
 }
 
 fn bounds_of(shape: &Shape) -> Bounds {
-    let mesh = match shape {
+    match shape {
+        Shape::Triangles(mesh) => mesh.bounds(),
         Shape::Analytic(exact) => {
             let b = exact.bounds();
             let finite = b.min.is_finite() && b.max.is_finite();
-            return if finite { b } else { Bounds::EMPTY };
-        }
-        Shape::Triangles(mesh) => mesh,
-    };
-    let mut bounds = Bounds::EMPTY;
-    for prim in 0..mesh.triangles().len() as u32 {
-        let corners = mesh.corners(prim);
-        if corners.iter().all(|c| c.is_finite()) {
-            bounds = corners.into_iter().fold(bounds, Bounds::with);
+            if finite { b } else { Bounds::EMPTY }
         }
     }
-    bounds
 }

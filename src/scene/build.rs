@@ -64,11 +64,14 @@ impl Scene {
             instance_groups,
             materials,
         });
-        let rays = accel::build(world, settings, Some(surfaces.clone()), backend)?;
-        let bounds = rays.bounds();
+        let bounds = accel::world_bounds(&world);
         // Photons are to land on what does not glow by itself, if there is anything.
         let target = if dark.radius() > 0.0 { dark } else { bounds };
-        let lights = Lights::build(emitters, &glowing, bounds, target);
+        let (rays, lights) = rayon::join(
+            || accel::build(world, settings, Some(surfaces.clone()), backend),
+            || Lights::build(emitters, &glowing, bounds, target),
+        );
+        let rays = rays?;
         let mut scene = Self {
             surfaces,
             media,
