@@ -6,8 +6,8 @@ use super::late::Late;
 use super::mattes::ShapeSums;
 use crate::math::{Rgb, Vec3};
 
-/// Width and height of a tile in pixels: the numbers of its pixels avoid each other.
-pub const TILE_SIZE: u32 = crate::math::sampler::SIDE;
+/// Width and height of a tile in pixels.
+pub const TILE_SIZE: u32 = 16;
 
 /// What one sample gives a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]

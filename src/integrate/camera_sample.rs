@@ -4,12 +4,10 @@ use super::adaptive::{Shares, TileShares};
 use super::context::View;
 use super::path::FirstHit;
 use super::recording::Recorded;
-use super::settings::PathSettings;
 use crate::camera::CameraRay;
 use crate::film::filter::FilterSampler;
 use crate::film::{Extras, Sample, Tile};
 use crate::math::{PathSampler, Rgb, Vec2};
-use crate::scene::description::SamplerKind;
 use std::ops::Range;
 
 /// Samples of the image that are taken by one and the same state of knowledge: field, mixture
@@ -47,7 +45,6 @@ impl Iteration {
     /// none.
     pub fn path(&self, tile: usize, i: usize, sample: u64) -> PathNumber {
         PathNumber {
-            iteration: self.from,
             begin: self.taken(tile, i, self.from),
             number: self.taken(tile, i, sample),
         }
@@ -85,7 +82,6 @@ impl TileSamples<'_> {
     /// The paths of a pixel for a sample.
     #[inline]
     pub fn starts(&self, pixel: u32, sample: u64) -> impl Iterator<Item = Start> + use<> {
-        let iteration = self.from;
         let (paths, begin, worth) = match self.shares {
             Some(shares) => {
                 let share = shares.of(pixel as usize);
@@ -99,7 +95,6 @@ impl TileSamples<'_> {
             sample,
             way,
             path: PathNumber {
-                iteration,
                 begin,
                 number: path,
             },
@@ -112,9 +107,7 @@ impl TileSamples<'_> {
 /// Number of a path among all paths of its pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PathNumber {
-    /// The first sample of its iteration, whose numbers are its own.
-    pub iteration: u64,
-    /// Number of the pixel's first path in the iteration: there its Sobol sequence begins.
+    /// Number of the first path of its iteration: there its Sobol sequence begins.
     pub begin: u64,
     /// Its own number.
     pub number: u64,
@@ -124,19 +117,8 @@ impl PathNumber {
     /// The path of sample number `sample` where nothing was learned.
     pub fn plain(sample: u64) -> Self {
         Self {
-            iteration: 0,
             begin: 0,
             number: sample,
-        }
-    }
-
-    /// The numbers of this path of a pixel.
-    #[inline]
-    pub fn sampler(self, settings: &PathSettings, pixel: [u32; 2]) -> PathSampler {
-        let sequence = (self.iteration, self.begin);
-        match settings.sampler {
-            SamplerKind::Independent => PathSampler::of_pixel(settings.seed, pixel, self.number),
-            SamplerKind::Sobol => PathSampler::sobol(settings.seed, pixel, sequence, self.number),
         }
     }
 }
@@ -161,8 +143,11 @@ pub struct Start {
 impl Start {
     /// Which paths it may share with.
     pub fn origin(&self) -> Origin {
-        // No image has so many samples that this is one of them.
-        Origin(self.sample | u64::from(self.way) << 48)
+        Origin {
+            pixel: self.pixel,
+            // No image has so many samples that this is one of them.
+            round: self.sample | u64::from(self.way) << 48,
+        }
     }
 }
 
@@ -174,7 +159,8 @@ pub fn first_ray(
     [x, y]: [u32; 2],
     path: PathNumber,
 ) -> (CameraRay, PathSampler, f32) {
-    let mut sampler = path.sampler(view.settings, [x, y]);
+    let pixel = u64::from(y) * u64::from(view.film.width) + u64::from(x);
+    let mut sampler = view.settings.sampler(pixel, path.begin, path.number);
     let u = sampler.next4();
     let place = filter.sample(Vec2::new(u[0], u[1]));
     let center = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
@@ -220,6 +206,11 @@ pub fn add(
     }
 }
 
-/// A number that a path of a wave shares with one path of other pixels, and with none of its own.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Origin(pub u64);
+/// Where a path of a wave comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Origin {
+    /// A number for its pixel.
+    pub pixel: u32,
+    /// A number that it shares with one path of other pixels, and with none of its own.
+    pub round: u64,
+}

@@ -1,5 +1,6 @@
 //! How paths are traced: what the scene and the command line say.
 
+use crate::math::PathSampler;
 use crate::scene::description::SamplerKind;
 use serde::Serialize;
 
@@ -23,6 +24,17 @@ pub struct PathSettings {
     pub sampler: SamplerKind,
     /// Stream of all random numbers.
     pub seed: u64,
+}
+
+impl PathSettings {
+    /// The numbers of path number `path` of a pixel, whose Sobol sequence starts with path `begin`.
+    #[inline]
+    pub fn sampler(&self, pixel: u64, begin: u64, path: u64) -> PathSampler {
+        match self.sampler {
+            SamplerKind::Independent => PathSampler::independent(self.seed, pixel, path),
+            SamplerKind::Sobol => PathSampler::sobol(self.seed, pixel, begin, path),
+        }
+    }
 }
 
 /// How paths are traced where a field guides them.

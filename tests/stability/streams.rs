@@ -44,9 +44,9 @@ fn s25_large_sample_numbers() {
     let mut same = 0u32;
     for i in 0..1000u64 {
         for start in [1u64 << 32, 1 << 40] {
-            let sobol = |seed, pixel, sample| PathSampler::sobol(seed, pixel, (0, 0), sample);
-            for make in [PathSampler::of_pixel, sobol] {
-                let of = |sample| make(1, [5, 0], sample).next4();
+            let sobol = |seed, pixel, sample| PathSampler::sobol(seed, pixel, 0, sample);
+            for make in [PathSampler::independent, sobol] {
+                let of = |sample| make(1, 5, sample).next4();
                 same += u32::from(of(i) == of(start + i));
             }
         }

@@ -9,6 +9,7 @@ use crate::integrate::guided_path::{GuidedPath, PrefixState};
 use crate::integrate::light_sums::LightSums;
 use crate::integrate::splitting::SplitPaths;
 use crate::integrate::vertex::Vertex;
+use crate::math::rng::hash_all;
 use crate::math::{Rgb, Vec3};
 use crate::texture::SurfacePoint;
 
@@ -109,7 +110,7 @@ impl<'s> PrefixPool<'s> {
         if let Some(parts) = &mut parts {
             parts.reduce(split_paths);
         }
-        for group in self.groups(origins) {
+        for group in self.groups(context.settings.seed, origins) {
             exchange.meet(&group, radiances);
         }
         for contribution in &exchange.contributions {
@@ -118,15 +119,18 @@ impl<'s> PrefixPool<'s> {
         exchange.rays_traced
     }
 
-    /// Prefixes of like samples in groups, pixels of a tile mixed, so that what they have in common
-    /// is spread, and those whose directions avoid each other together.
-    fn groups(&self, origins: &[Origin]) -> Vec<Vec<u32>> {
-        let lots = self.prefixes.iter().zip(0..).map(|(prefix, number)| Lot {
-            // A path may be cut off at a depth: only prefixes of one depth stand for the same
-            // suffixes.
-            kind: (origins[prefix.sample as usize], prefix.depth),
-            lot: prefix.lot,
-            number,
+    /// Prefixes of like samples in groups, all pixels mixed, so that what they have in common is
+    /// spread.
+    fn groups(&self, seed: u64, origins: &[Origin]) -> Vec<Vec<u32>> {
+        let lots = self.prefixes.iter().zip(0..).map(|(prefix, number)| {
+            let Origin { pixel, round } = origins[prefix.sample as usize];
+            Lot {
+                // A path may be cut off at a depth: only prefixes of one depth stand for the same
+                // suffixes.
+                kind: (round, prefix.depth),
+                lot: hash_all([seed, round, u64::from(pixel)]),
+                number,
+            }
         });
         grouped(lots.collect(), self.most)
     }
@@ -136,8 +140,8 @@ impl<'s> PrefixPool<'s> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Lot {
     /// Only prefixes of one kind meet.
-    kind: (Origin, u32),
-    lot: u32,
+    kind: (u64, u32),
+    lot: u64,
     number: u32,
 }
 
@@ -159,14 +163,13 @@ fn grouped(mut lots: Vec<Lot>, most: usize) -> Vec<Vec<u32>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::rng::hash64;
 
     #[test]
     fn like_prefixes_meet_in_groups_of_like_size() {
         let lots: Vec<Lot> = (0..100)
             .map(|number| Lot {
-                kind: (Origin(u64::from(number % 3)), u32::from(number == 99)),
-                lot: hash64(u64::from(number)) as u32,
+                kind: (u64::from(number % 3), u32::from(number == 99)),
+                lot: hash_all([u64::from(number)]),
                 number,
             })
             .collect();

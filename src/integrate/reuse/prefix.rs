@@ -35,8 +35,6 @@ pub(super) struct PathPrefix<'s> {
     pub sample: u32,
     /// Edges to its vertex.
     pub depth: u32,
-    /// The number by which it is put into a group (see `math::sampler`).
-    pub lot: u32,
     /// What it came with.
     pub throughput: Rgb,
     pub position: Vec3,
@@ -62,7 +60,6 @@ impl<'s> PathPrefix<'s> {
         Some(Self {
             sample,
             depth: path.depth,
-            lot: path.sampler.lot(),
             throughput: path.throughput,
             position: point.p,
             error: point.error,
