@@ -36,13 +36,18 @@ WAYS = {"none": ["--guide", "none"], "default": []}
 COLUMNS = ["pixels", "trimmed", "4 x 4", "16 x 16", "denoised"]
 
 
-def processor_seconds(command):
-    """Runs it; what it took of all processors."""
+def measured(command):
+    """Runs it; the seconds that it took of all processors, and the most memory that it had, in bytes."""
     process = subprocess.Popen([str(c) for c in command], stdout=subprocess.DEVNULL)
     _, status, usage = os.wait4(process.pid, 0)
     if status:
         raise SystemExit(f"failed: {command}")
-    return usage.ru_utime + usage.ru_stime
+    return usage.ru_utime + usage.ru_stime, 1024 * usage.ru_maxrss
+
+
+def processor_seconds(command):
+    """Runs it; what it took of all processors."""
+    return measured(command)[0]
 
 
 def render(args, scene, out, spp, seed, more):
