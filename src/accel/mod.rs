@@ -10,20 +10,21 @@
 //! invisible surface.
 
 use crate::math::{Affine3A, Vec3};
-use rayon::prelude::*;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 mod backend;
 #[cfg(feature = "embree")]
 pub mod embree;
 mod error;
 mod mask;
+mod mesh;
 pub mod obvhs;
 pub mod shape;
 mod world;
 
 pub use backend::{Backend, build, prepare_thread};
 pub use error::AccelError;
+pub use mesh::{BadIndex, TriangleMesh};
 pub use shape::{AnalyticKind, AnalyticShape};
 pub use world::world_bounds;
 
@@ -127,98 +128,6 @@ impl Hit {
     pub fn is_some(&self) -> bool {
         self.shape != MISS
     }
-}
-
-/// Vertex positions and triangles, shared between the scene and the ray tracer without a copy.
-///
-/// Embree reads 16 bytes from the start of every vertex: [`TriangleMesh::new`] keeps one vertex of
-/// spare capacity behind the last, which is why the fields are private.
-#[derive(Debug, Default)]
-pub struct TriangleMesh {
-    positions: Vec<Vec3>,
-    triangles: Vec<[u32; 3]>,
-    bounds: OnceLock<Bounds>,
-}
-
-impl TriangleMesh {
-    /// Takes over the buffers. Indices are checked: an index beyond the vertices is an error that
-    /// names the first offending triangle.
-    pub fn new(mut positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, BadIndex> {
-        let count = positions.len();
-        // The largest of many is found with vector instructions; the first that is too large is
-        // not.
-        let inside = triangles.par_chunks(1 << 14).all(|part| {
-            let largest = part.as_flattened().iter().fold(0, |a, &b| a.max(b));
-            (largest as usize) < count
-        });
-        if !inside {
-            let beyond = |t: &[u32; 3]| t.iter().any(|&i| i as usize >= count);
-            return Err(BadIndex {
-                triangle: triangles.iter().position(beyond).unwrap_or(0),
-                vertices: count,
-            });
-        }
-        positions.reserve_exact(1);
-        Ok(Self {
-            positions,
-            triangles,
-            bounds: OnceLock::new(),
-        })
-    }
-
-    /// Vertex positions.
-    pub fn positions(&self) -> &[Vec3] {
-        &self.positions
-    }
-
-    /// Vertex indices of each triangle, all in range.
-    pub fn triangles(&self) -> &[[u32; 3]] {
-        &self.triangles
-    }
-
-    /// The corners of triangle `prim`.
-    #[inline]
-    pub fn corners(&self, prim: u32) -> [Vec3; 3] {
-        self.triangles[prim as usize].map(|i| self.positions[i as usize])
-    }
-
-    /// Bounds of the triangles, found at the first call. Those with a corner that is not finite do
-    /// not count: no backend finds them.
-    pub fn bounds(&self) -> Bounds {
-        /// Triangles that one thread looks at, at least.
-        const GRAIN: usize = 1 << 14;
-        let with = |bounds: Bounds, triangle: &[u32; 3]| {
-            let corners = triangle.map(|i| self.positions[i as usize]);
-            match corners.iter().all(|c| c.is_finite()) {
-                true => corners.into_iter().fold(bounds, Bounds::with),
-                false => bounds,
-            }
-        };
-        if let Some(known) = self.bounds.get() {
-            return *known;
-        }
-        // Not within the lock: a thread that waits for the others here may take up work that asks
-        // for the same bounds.
-        let triangles = self.triangles.par_iter().with_min_len(GRAIN);
-        let parts = triangles.fold(|| Bounds::EMPTY, with);
-        let bounds = parts.reduce(|| Bounds::EMPTY, Bounds::union);
-        *self.bounds.get_or_init(|| bounds)
-    }
-
-    /// Bytes held.
-    pub fn memory_bytes(&self) -> usize {
-        self.positions.capacity() * 12 + self.triangles.capacity() * 12
-    }
-}
-
-/// A triangle names a vertex that does not exist.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("triangle {triangle} names a vertex beyond the mesh's {vertices}")]
-pub struct BadIndex {
-    /// Index of the first such triangle.
-    pub triangle: usize,
-    /// Number of vertices the mesh has.
-    pub vertices: usize,
 }
 
 /// What a geometry is made of.

@@ -11,6 +11,7 @@ use super::worlds::*;
 use crate::accel::*;
 use crate::math::{Pcg32, Vec3};
 use crate::scene::import::mesh::{MeshKind, MeshOptions, buffers};
+use rayon::prelude::*;
 use std::path::Path;
 use std::sync::Arc;
 
