@@ -96,6 +96,7 @@ fn render(
     let summary = prepared.trace(&mut guiding, &mut film, before, &watch);
     watch.finish(&film);
     if whole {
+        // What began with the first tile, or why the render was stopped.
         output::load_library()?;
     }
     let mut stats = prepared.stats(&loaded, (&film, &summary), &guiding, times);

@@ -83,7 +83,7 @@ fn a_tree_that_does_not_fit_is_refused_in_words() {
         .run("make mesh --kind terrain --triangles 4M -o large.ply")
         .ok();
     std::fs::write(place.path("a.exr"), "an older file").unwrap();
-    // A shard, which does not load OpenImageIO: nor has the large scene when its trees are built.
+    // A shard does not load OpenImageIO, and the large scene does so after its trees are built.
     let child =
         place.spawn("render scene.xml --shard 1/2 -o small.exr --spp 1000000000 --guide none");
     // By then it renders, with all its threads.

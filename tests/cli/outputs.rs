@@ -27,7 +27,7 @@ fn one_render_writes_several_formats() {
     assert!(place.read("d.hdr").starts_with(b"#?"));
 }
 
-/// It is loaded beside the render, which must end with the news and not hours later.
+/// OpenImageIO is loaded beside the first tiles: that it is missing is known then, not hours later.
 #[test]
 fn a_render_that_cannot_write_its_image_ends_soon_and_a_shard_does_without() {
     let place = Place::new();
@@ -38,13 +38,10 @@ fn a_render_that_cannot_write_its_image_ends_soon_and_a_shard_does_without() {
         .output()
         .unwrap();
     let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    let names = told
+    let mut names = told
         .split_whitespace()
         .filter_map(|word| word.split('/').next_back());
-    let Some(name) = names
-        .into_iter()
-        .find(|n| n.starts_with("libOpenImageIO.so"))
-    else {
+    let Some(name) = names.find(|name| name.starts_with("libOpenImageIO.so")) else {
         eprintln!("skipped: this build has no OpenImageIO, or its linker does not tell");
         return;
     };
